@@ -169,7 +169,7 @@ fn told_of_beams(beams: Result<Vec<BeamState>, Fault>) -> (Value, Option<String>
 fn bearing(stop: &crate::statics::Bearing) -> Value {
     json!({
         "hinge": bare(&stop.hinge),
-        "side": if stop.low { "low" } else { "high" },
+        "side": stop.side.name(),
         "limit": stop.limit,
         "load": stop.load,
         "depth": stop.depth,

@@ -268,7 +268,7 @@ fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
         let _ = writeln!(out, "  locked       {name} holds {}", borne(model, name, of(*force)));
     }
     for stop in &found.stops {
-        let side = if stop.low { "low" } else { "high" };
+        let side = stop.side.name();
         let load = borne(model, &stop.hinge, of(stop.load));
         let depth = if stop.depth > 0.0 { format!(", {} deep", number(stop.depth)) } else { String::new() };
         let _ = writeln!(

@@ -51,7 +51,7 @@ pub use motor::Motor;
 pub use output::{Output, Quantity};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
-pub use stop::{Side, Stop, StopLaw};
+pub use stop::{Side, Stop, StopLaw, StopSide};
 pub use watch::{Event, Watched};
 
 use crate::element::Rod;

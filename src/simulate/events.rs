@@ -24,7 +24,7 @@ use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::watch::Direction;
-use crate::model::{Model, Side, StopLaw, Watched};
+use crate::model::{Model, StopLaw, StopSide, Watched};
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::{Motion, TIMES};
@@ -44,9 +44,9 @@ const MOST_HALVINGS: u32 = 50;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Function {
     /// The depth in a stop, rigid or compliant.
-    Depth(Side),
+    Depth(StopSide),
     /// The push of a compliant stop.
-    Push(Side),
+    Push(StopSide),
     /// How far the force of what is held is within its range; in this place of the list.
     Reserve(usize),
     /// The speed of what slides against dry friction, in the direction in which it did when the step began; of a spherical hinge
@@ -106,7 +106,7 @@ impl Watch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Turn {
     /// A rigid stop is hit.
-    Strike(Side),
+    Strike(StopSide),
     /// What is held is let go; its first velocity coordinate.
     Release(usize),
     /// What slid against this dry friction is at rest.
@@ -114,9 +114,9 @@ pub(super) enum Turn {
     /// What rested in spite of this dry friction moves.
     Breakaway(usize),
     /// A compliant stop pushes from now on, or no longer.
-    Push(Side, bool),
+    Push(StopSide, bool),
     /// A compliant stop that pushes no longer is relaxed: the power of its damper has a kink there.
-    Relax(Side),
+    Relax(StopSide),
     /// A law changes: the step ends there, so that none goes across.
     Switch(Boundary),
     /// Bodies meet or part, stick or slip; whether a force has left its cone.
@@ -194,14 +194,14 @@ impl Events {
         let captured = motion.is_captured();
         let held = if captured { &[] } else { motion.held() };
         let rubbing = if captured { &[] } else { motion.system.phase().rubbing.as_slice() };
-        let rests = |side: &Side| held.iter().any(|held| held.stop == Some(*side));
+        let rests = |side: &StopSide| held.iter().any(|held| held.stop == Some(*side));
         let mut functions: Vec<Function> = (0..held.len()).map(Function::Reserve).collect();
         functions.extend(rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
             Rubbing::Sticks => None,
             Rubbing::Slides(_) => Some(Function::Speed(index)),
             Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
-        let follows = |side: &Side| !(captured && model.stops[side.stop].is_rigid());
+        let follows = |side: &StopSide| !(captured && model.stops[side.stop].is_rigid());
         for side in sides(&model.stops).filter(|side| !rests(side) && follows(side)) {
             if !motion.system.phase().pushes(side) {
                 functions.push(Function::Depth(side));
@@ -426,7 +426,7 @@ impl Events {
                 (StopLaw::Compliant { .. }, false) => Some(Turn::Push(side, true)),
             },
             Function::Push(side) => {
-                let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;
+                let inside = model.stops[side.stop].depth(side.at, &self.state.position) > 0.0;
                 match (motion.system.phase().pushes(side), positive) {
                     (true, true) => Some(Turn::Push(side, false)),
                     (false, false) if inside => Some(Turn::Push(side, true)),

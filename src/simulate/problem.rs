@@ -2,7 +2,7 @@
 
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
-use crate::model::{End, Model, Side};
+use crate::model::{End, Model, StopSide};
 use crate::simulate::contact::Contacts;
 use crate::simulate::coordinates::Coordinates;
 use crate::simulate::error::RunError;
@@ -195,16 +195,16 @@ impl Motion {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[Side]) -> Result<(), Fault> {
+    pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[StopSide]) -> Result<(), Fault> {
         let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
         if self.passage.is_none() {
             for side in sides {
                 let stop = &nonsmooth.model.stops[side.stop];
-                state.position[stop.position] = stop.limit(side.sign);
+                state.position[stop.position] = stop.limit(side.at);
             }
             return Ok(());
         }
-        let row = |side: &Side| nonsmooth.row(*side, &state.position, &state.velocity);
+        let row = |side: &StopSide| nonsmooth.row(*side, &state.position, &state.velocity);
         let rows: Vec<_> = sides.iter().filter_map(row).collect();
         self.system.at(time, &state.position, &state.velocity).hold(&rows)?;
         self.system.settle(time, &mut state.position, &mut state.velocity)?;
@@ -234,7 +234,7 @@ impl Motion {
         let Some(nonsmooth) = &self.nonsmooth else { return };
         for side in &self.system.phase().pushing {
             let stop = &nonsmooth.model.stops[side.stop];
-            out[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
+            out[stop.velocity] -= side.at.sign() * stop.push(side.at, q, v);
         }
         for (index, held) in nonsmooth.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
             out[held.velocity] += match self.passage {
@@ -251,14 +251,14 @@ impl Motion {
     /// [`RunError::Passed`].
     pub(super) fn guard(&self, time: f64, state: &State) -> Result<(), RunError> {
         for (index, stop) in self.model().stops.iter().enumerate() {
-            for sign in stop.signs() {
-                let side = Side { stop: index, sign };
+            for at in stop.sides() {
+                let side = StopSide { stop: index, at };
                 // What a coordinate moves by in the rounding of time.
                 let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
-                let beyond = !(stop.depth(sign, &state.position) <= self.passing(side).max(rounding));
+                let beyond = !(stop.depth(at, &state.position) <= self.passing(side).max(rounding));
                 if beyond && stop.is_rigid() {
                     let hinge = self.model().bodies[stop.body].name.clone();
-                    let (value, limit) = (state.position[stop.position], stop.limit(sign));
+                    let (value, limit) = (state.position[stop.position], stop.limit(at));
                     return Err(RunError::Passed { time, hinge, value, limit });
                 }
             }
@@ -267,12 +267,12 @@ impl Motion {
     }
 
     /// A rigid stop may be passed by this and no more (m or rad).
-    pub(super) fn passing(&self, side: Side) -> f64 {
+    pub(super) fn passing(&self, side: StopSide) -> f64 {
         PASSED * self.size(side)
     }
 
     /// A coordinate this near to a limit is on it (m or rad): rounding of coordinates and times.
-    pub(super) fn touching(&self, side: Side) -> f64 {
+    pub(super) fn touching(&self, side: StopSide) -> f64 {
         ON_THE_LIMIT * self.size(side)
     }
 
@@ -292,9 +292,9 @@ impl Motion {
     }
 
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
-    fn size(&self, side: Side) -> f64 {
+    fn size(&self, side: StopSide) -> f64 {
         let stop = &self.model().stops[side.stop];
-        self.position_scales[stop.position].max(stop.limit(side.sign).abs())
+        self.position_scales[stop.position].max(stop.limit(side.at).abs())
     }
 
     /// Where a point is (m).

@@ -92,7 +92,7 @@ pub fn hold(
         match bearing::pulling(&model, &set, &bearing, &found)?.filter(|_| found.balanced) {
             Some(index) => {
                 search.let_go.push(model.label(model.stops[index].velocity));
-                set[index] = 0;
+                set[index] = None;
             }
             None => {
                 let found = bearing::finish(&model, &set, &bearing, found)?;
@@ -138,7 +138,7 @@ impl Search<'_> {
         let bent = unknown.iter().any(|one| one.field == Field::Named);
         let mut problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
         // What only a stop feels is no mistake.
-        let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
+        let mut notes = if set.iter().any(Option::is_some) { Vec::new() } else { problem.useless() };
         let influential = notes.is_empty();
         let sizes = first.scales.force.clone();
         let (mut best, mut model, mut place_now) = (description.clone(), given, first);

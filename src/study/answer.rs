@@ -6,9 +6,9 @@
 use super::column::{Cell, Column, Kind};
 use crate::dynamics::System;
 use crate::force::Act;
-use crate::model::Model;
 use crate::model::description::StageDescription;
 use crate::model::output::Output;
+use crate::model::{Model, Side};
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
 use crate::statics::{Equilibrium, Stability, standing};
@@ -236,13 +236,13 @@ impl<'a> Listing<'a, '_> {
             if model.stops[..index].iter().any(|other| other.velocity == stop.velocity) {
                 continue;
             }
-            for (low, side) in [(true, "low"), (false, "high")] {
+            for side in Side::ALL {
                 let load = held.map(|held| {
                     let label = model.label(stop.velocity);
-                    let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.low == low);
+                    let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.side == side);
                     here.fold(0.0, |sum, bearing| sum + bearing.load)
                 });
-                let name = || format!("stops.{}.{side}", place(model, stop.velocity));
+                let name = || format!("stops.{}.{}", place(model, stop.velocity), side.name());
                 self.number(force_unit(model, stop.velocity), &name, load);
             }
         }

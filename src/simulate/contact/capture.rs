@@ -80,7 +80,7 @@ impl Memory {
     pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> {
         self.forces.iter().filter_map(|(id, force)| match id {
             Id::Contact(key) => Some((key, force)),
-            Id::Stop(..) | Id::Friction(_) => None,
+            Id::Stop(_) | Id::Friction(_) => None,
         })
     }
 }
@@ -314,8 +314,8 @@ impl Contacts {
         for (id, force) in &self.memory.forces {
             let key = match id {
                 Id::Contact(key) => key,
-                Id::Stop(stop, sign) => {
-                    push[self.model.stops[*stop].velocity] += sign * force.x;
+                Id::Stop(side) => {
+                    push[self.model.stops[side.stop].velocity] -= side.at.sign() * force.x;
                     continue;
                 }
                 Id::Friction(index) => {
@@ -355,7 +355,7 @@ impl Contacts {
     fn restitution(&self, support: &Support) -> f64 {
         match support.id {
             Id::Contact(key) => self.law(key.couple).law.restitution(),
-            Id::Stop(stop, _) => self.model.stops[stop].law.restitution(),
+            Id::Stop(side) => self.model.stops[side.stop].law.restitution(),
             Id::Friction(_) => 0.0,
         }
     }
@@ -387,7 +387,7 @@ fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>>
         Id::Contact(key) => {
             forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
         }
-        Id::Stop(..) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
+        Id::Stop(_) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
     };
     let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
     forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)

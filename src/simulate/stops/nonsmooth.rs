@@ -24,7 +24,7 @@ use crate::dynamics::Held as Row;
 use crate::dynamics::applied::{Phase, Rubbing, rate_of};
 use crate::model::prescribed::Instant;
 use crate::model::stop::sides;
-use crate::model::{Model, Scalar, Side, StopLaw};
+use crate::model::{Model, Scalar, StopLaw, StopSide};
 use std::sync::Arc;
 
 /// A coordinate, or the three of a spherical hinge, at rest by what holds it.
@@ -34,7 +34,7 @@ pub(in crate::simulate) struct Held {
     pub(in crate::simulate) velocity: usize,
     pub(in crate::simulate) count: usize,
     /// The rigid stop that it rests on.
-    pub(in crate::simulate) stop: Option<Side>,
+    pub(in crate::simulate) stop: Option<StopSide>,
     /// The dry friction that acts, by its index in the model.
     pub(in crate::simulate) friction: Option<usize>,
     /// What holds it can push with this along the coordinate; of a spherical hinge the norm counts (N or N m).
@@ -129,7 +129,7 @@ impl Nonsmooth {
                 return Some(Row::Ball(link));
             }
             let (position, joint) = (self.model.links[link].position, &self.model.links[link].joint);
-            let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.sign));
+            let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.at));
             let coordinate = Scalar { link, position, velocity: held.velocity, slides: joint.is_distance() };
             Some(Row::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
         };
@@ -137,7 +137,7 @@ impl Nonsmooth {
     }
 
     /// A coordinate on the stop of a side, with the speed that it has.
-    pub(in crate::simulate) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<Row> {
+    pub(in crate::simulate) fn row(&self, side: StopSide, q: &[f64], v: &[f64]) -> Option<Row> {
         let velocity = self.model.stops[side.stop].velocity;
         let held = Held { velocity, count: 1, stop: Some(side), friction: None, range: [0.0; 2], slack: 0.0 };
         let mut row = self.rows(&[held], q).pop()?;
@@ -193,15 +193,15 @@ impl Nonsmooth {
 
     /// (2) of all stops (J).
     pub(in crate::simulate) fn potential(&self, q: &[f64]) -> f64 {
-        sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.sign, q)).sum()
+        sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.at, q)).sum()
     }
 
     /// (3) of all stops and what friction takes out of all that slides (W).
     pub(in crate::simulate) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
-        let of_side = |side: Side| {
+        let of_side = |side: StopSide| {
             let stop = &self.model.stops[side.stop];
             let StopLaw::Compliant { stiffness: k, damping: d } = stop.law else { return 0.0 };
-            let (p, rate) = (stop.depth(side.sign, q), side.sign * v[stop.velocity]);
+            let (p, rate) = (stop.depth(side.at, q), side.at.sign() * v[stop.velocity]);
             if phase.pushes(side) { d * rate * rate } else { -k * p.max(0.0) * rate }
         };
         phase.rubbed(&self.model, v) + sides(&self.model.stops).map(of_side).sum::<f64>()

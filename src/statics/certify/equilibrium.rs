@@ -6,7 +6,7 @@ use super::stability::{Stability, Verdict};
 use super::unbalanced::describe;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
-use crate::model::Model;
+use crate::model::{Model, Side};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::effort::{Effort, Iteration, Stage};
 use crate::statics::problem::Landscape;
@@ -94,8 +94,8 @@ pub struct Equilibrium {
 pub struct Bearing {
     /// The body whose hinge it is, as in [`Model::label`].
     pub hinge: String,
-    /// Whether it is the low limit.
-    pub low: bool,
+    /// Which of its limits.
+    pub side: Side,
     /// The limit (m or rad).
     pub limit: f64,
     /// What it bears (N or N m), ≥ 0.

@@ -200,7 +200,7 @@ pub fn follow(
     let family = |at: f64, q: &[f64], set: Set| Moving::new(&first, assembled.clone(), numbers, at, range, (q, set));
     let mut moving = family(settings.from, &q, set.clone())?;
     // What only a stop feels is felt.
-    if set.iter().all(|side| *side == 0) && !moving.is_felt(&q, settings.from)? {
+    if set.iter().all(Option::is_none) && !moving.is_felt(&q, settings.from)? {
         return Err(format!("nothing in this equilibrium feels `{}`: there is no path to follow", settings.parameter));
     }
     if path.start.stability.as_ref().is_some_and(|s| s.neutral_directions > 0) {
@@ -208,15 +208,15 @@ pub fn follow(
     }
     let mut tracer = Tracer::new(moving, settings);
     let mut queue = VecDeque::from([tracer.first(&q)?]);
-    let mut turns: VecDeque<(Turn, Set, (usize, usize))> = VecDeque::new();
+    let mut turns: VecDeque<(Turn, (usize, usize))> = VecDeque::new();
     // The stops that bear along each branch.
     let mut sets: Vec<Set> = Vec::new();
     loop {
         let Some(seed) = queue.pop_front() else {
-            let Some((turn, before, parent)) = turns.pop_front() else { break };
+            let Some((turn, parent)) = turns.pop_front() else { break };
             let q = &turn.point.place.q;
             tracer = Tracer::new(family(turn.point.parameter, q, turn.set.clone())?, settings);
-            match tracer.onward(&turn, &before, parent) {
+            match tracer.onward(&turn, parent) {
                 Some(seed) => queue.push_back(seed),
                 None => {
                     path.complete = false;
@@ -252,7 +252,7 @@ pub fn follow(
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
-        turns.extend(turn.map(|turn| (turn, set.clone(), (index, branch.points.len() - 1))));
+        turns.extend(turn.map(|turn| (turn, (index, branch.points.len() - 1))));
         path.branches.push(branch);
         sets.push(set);
     }

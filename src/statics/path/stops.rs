@@ -6,7 +6,7 @@
 //! leaves its limit: that may be back where it came from.
 
 use super::trace::{Seed, Tracer, Turn};
-use crate::model::{Stop, StopLaw};
+use crate::model::{Side, Stop, StopLaw};
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
 
@@ -17,16 +17,16 @@ const SLACK: f64 = 1e-10;
 const AHEAD: f64 = 1e-3;
 
 /// How far a stop is from a change: positive as long as nothing changes, with the round-off of that.
-fn clear(moving: &mut Moving<'_>, stop: &Stop, side: i8, bears: bool, point: &Point) -> Result<[f64; 2], String> {
-    let limit = stop.limit(f64::from(side));
+fn clear(moving: &mut Moving<'_>, stop: &Stop, side: Side, bears: bool, point: &Point) -> Result<[f64; 2], String> {
+    let limit = stop.limit(side);
     let slack = SLACK * if moving.slides(stop.velocity) { moving.length() } else { 1.0 };
-    let depth = stop.depth(f64::from(side), &point.place.q);
+    let depth = stop.depth(side, &point.place.q);
     match (bears, stop.law) {
         (false, _) => Ok([-depth, slack.max(SLACK * limit.abs())]),
         (true, StopLaw::Compliant { .. }) => Ok([depth, slack.max(SLACK * limit.abs())]),
         (true, StopLaw::Rigid { .. }) => {
             let [held, size] = moving.held(&point.place.q, point.parameter, stop.velocity)?;
-            Ok([-f64::from(side) * held, SLACK * size])
+            Ok([-side.sign() * held, SLACK * size])
         }
     }
 }
@@ -38,9 +38,9 @@ impl Tracer<'_> {
         let mut first: Option<Turn> = None;
         for (index, now) in set.iter().enumerate() {
             let stop = self.moving.stop(index);
-            let sides = if *now == 0 { vec![-1, 1] } else { vec![*now] };
-            for side in sides.into_iter().filter(|side| stop.limit(f64::from(*side)).is_finite()) {
-                let value = |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, *now != 0, point);
+            for side in stop.sides().filter(|side| now.is_none_or(|now| now == *side)) {
+                let value =
+                    |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, now.is_some(), point);
                 let Ok([end, slack]) = value(self, b) else { continue };
                 if end >= -slack {
                     continue;
@@ -52,20 +52,19 @@ impl Tracer<'_> {
                 let (s, point) = located.unwrap_or_else(|| (0.0, a.clone()));
                 if first.as_ref().is_none_or(|first| s < first.s) {
                     let mut set = set.clone();
-                    set[index] = if *now == 0 { side } else { 0 };
-                    first = Some(Turn { set, index, point, s });
+                    set[index] = if now.is_none() { Some(side) } else { None };
+                    first = Some(Turn { set, index, side, point, s });
                 }
             }
         }
         first
     }
 
-    /// The branch that goes on after a change, if there is one: `before` tells in which direction the parameter went.
-    pub(super) fn onward(&mut self, turn: &Turn, before: &[i8], parent: (usize, usize)) -> Option<Seed> {
+    /// The branch that goes on after a change, if there is one.
+    pub(super) fn onward(&mut self, turn: &Turn, parent: (usize, usize)) -> Option<Seed> {
         let (q, parameter) = (turn.point.place.q.clone(), turn.point.parameter);
         let stop = self.moving.stop(turn.index);
-        let now = turn.set[turn.index];
-        let side = if now == 0 { before[turn.index] } else { now };
+        let bears = turn.set[turn.index].is_some();
         let went = if turn.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
         for sign in [went, -went] {
             let still = vec![0.0; self.moving.metric().inertia.len()];
@@ -74,7 +73,7 @@ impl Tracer<'_> {
             let mut curve = self.curve();
             let Some(point) = curve.correct(q.clone(), parameter, &towards, step) else { continue };
             let Some(beside) = curve.ahead(&point, look) else { continue };
-            if clear(&mut self.moving, &stop, side, now != 0, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
+            if clear(&mut self.moving, &stop, turn.side, bears, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
                 return Some(Seed { point, parent: Some(parent), beside: step });
             }
         }

@@ -1,6 +1,7 @@
 //! One branch, point by point.
 
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
+use crate::model::Side;
 use crate::statics::certify::bearing::Set;
 use crate::statics::certify::stability::Verdict;
 use crate::statics::family::{Count, Moving};
@@ -39,8 +40,9 @@ pub(super) struct Seed {
 pub(super) struct Turn {
     /// The stops that bear from there on.
     pub set: Set,
-    /// Which of them has changed.
+    /// Which of them has changed, and on which side.
     pub index: usize,
+    pub side: Side,
     /// Where.
     pub point: Point,
     /// Arclength since the last point.
@@ -131,13 +133,12 @@ impl<'a> Tracer<'a> {
             }
             if let Some(turn) = turn {
                 let count = self.moving.count(&turn.point.place, turn.point.parameter)?;
-                let (stop, lifts) = (self.moving.stop(turn.index), turn.set[turn.index] == 0);
+                let (stop, lifts) = (self.moving.stop(turn.index), turn.set[turn.index].is_none());
                 let kind = if lifts { EventKind::Lift } else { EventKind::Stop };
                 let carriers = vec![self.moving.model().owner(stop.velocity).to_owned()];
                 let event = Event { kind, directions: 1, carriers };
                 self.push(&mut branch, &turn.point, count, arclength + turn.s, Some(event), false)?;
-                let side = if lifts { self.moving.set()[turn.index] } else { turn.set[turn.index] };
-                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(f64::from(side)));
+                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(turn.side));
                 branch.end = End::Stop { hinge, limit, lifts };
                 return Ok((branch, Some(turn)));
             }

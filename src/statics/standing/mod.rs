@@ -247,7 +247,7 @@ fn forces(model: &Model, scene: &Scene, bearers: &Bearers, all: &[f64]) -> Force
                     share,
                 });
             }
-            Bears::Stop { velocity, sign } => stops.push((*velocity, sign * f[0])),
+            Bears::Stop { velocity, side } => stops.push((*velocity, -side.sign() * f[0])),
             Bears::Other => {}
         }
     }

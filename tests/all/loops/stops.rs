@@ -3,7 +3,7 @@
 use crate::common::build;
 use crate::scenarios::{found, shipped};
 use std::sync::Arc;
-use stillpoint::model::Model;
+use stillpoint::model::{Model, Side};
 use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::events::Kind;
@@ -67,7 +67,7 @@ fn the_stop_of_one_rod_bears_the_moments_of_all_bars() {
     let (scenario, model) = shipped("parallelogram_on_stop", &[]);
     let rest = found(&scenario, &model);
     let [stop] = &rest.stops[..] else { panic!("{:?}", rest.stops) };
-    assert!(stop.low && stop.depth == 0.0 && stop.hinge == "`right`");
+    assert!(stop.side == Side::Low && stop.depth == 0.0 && stop.hinge == "`right`");
     near(stop.load, LEVER * G * 0.2_f64.sin(), 1e-9);
     for (found, expected) in rest.position.iter().zip([0.2, -0.2, 0.2]) {
         near(*found, expected, 1e-12);

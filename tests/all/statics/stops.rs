@@ -3,7 +3,7 @@
 use crate::common::build;
 use crate::scenarios::{found, shipped};
 use std::sync::Arc;
-use stillpoint::model::Model;
+use stillpoint::model::{Model, Side};
 use stillpoint::scenario;
 use stillpoint::statics::{Bearing, Equilibrium, Method, Settings, Verdict, Want, equilibrium};
 
@@ -43,7 +43,7 @@ fn the_stops_of_the_arm_bear_the_moments_of_its_weights() {
     near(elbow, 0.1 + rubber.depth, 1e-12);
     let rigid = stop(&found, "`upper`");
     near(rigid.load, of_fore + G * (3.0 * 0.3 + 2.5 * 0.6) * upper.cos(), 1e-9);
-    assert!(!rigid.low && !rubber.low && rigid.depth == 0.0 && found.stops.len() == 2);
+    assert!(rigid.side == Side::High && rubber.side == Side::High && rigid.depth == 0.0 && found.stops.len() == 2);
     // Only what the stops leave free decides; the mode of the hand does not move the shoulder.
     let stability = found.stability.as_ref().expect("a verdict");
     assert_eq!((stability.verdict, stability.modes.len()), (Verdict::Stable, 2));
@@ -88,7 +88,7 @@ fn a_stop_never_pulls() {
     near(on.position[0], 0.0, 0.0);
     near(stop(&on, "`lever`").load, 0.5, 1e-12);
     let far = find(&lever(5.0));
-    assert!(!stop(&far, "`lever`").low);
+    assert_eq!(stop(&far, "`lever`").side, Side::High);
     near(stop(&far, "`lever`").load, 3.0, 1e-12);
 }
 
