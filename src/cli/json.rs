@@ -196,7 +196,7 @@ fn stage(stage: &crate::statics::Stage) -> Value {
     })
 }
 
-fn mode(mode: &crate::statics::Mode) -> Value {
+fn mode(mode: &crate::statics::NaturalMode) -> Value {
     json!({
         "frequency_hz": mode.frequency_hz,
         "growth_rate": mode.growth_rate,

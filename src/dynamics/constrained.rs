@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
 use super::{Evaluated, Fault, System};
-use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
+use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate, RowSelection};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
@@ -22,8 +22,8 @@ const OPEN: f64 = 1e-9;
 pub(super) struct Constrained {
     pub(super) rows: Constraints,
     /// Of the model, beside what a run holds.
-    mode: Mode,
-    /// All rows of the mode, none left out, once reactions are shared among linearly dependent rows.
+    selection: RowSelection,
+    /// All rows of the selection, none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
     /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
@@ -56,8 +56,8 @@ impl Settled {
 }
 
 impl Constrained {
-    /// Room for the rows of a model in a mode, with what they leave open at a position.
-    pub(super) fn new(model: &Model, mode: &Mode, mut rows: Constraints, q: &[f64]) -> Box<Self> {
+    /// Room for the rows of a selection, with what they leave open at a position.
+    pub(super) fn new(model: &Model, selection: &RowSelection, mut rows: Constraints, q: &[f64]) -> Box<Self> {
         let mut given = Motion::new(model);
         given.update(model, q, &model.start_velocity);
         rows.place(model, &given, q, true);
@@ -65,7 +65,7 @@ impl Constrained {
         let n = model.velocity_count();
         Box::new(Self {
             rows,
-            mode: mode.clone(),
+            selection: selection.clone(),
             every_row: None,
             left_open: if left_open <= ROUGH { left_open } else { 0.0 },
             loads: vec![Wrench::ZERO; model.links.len()],
@@ -334,11 +334,11 @@ impl Evaluated<'_> {
     pub fn share_multipliers(&mut self) -> Result<(), Fault> {
         let Some(constrained) = &mut self.system.constraints else { return Ok(()) };
         constrained.tau.fill(0.0);
-        let Constrained { rows, mode, every_row, tau, .. } = &mut **constrained;
+        let Constrained { rows, selection, every_row, tau, .. } = &mut **constrained;
         if let Err(singular) = self.system.reduction.prepare(&self.system.model, &self.system.motion, tau) {
             return Err(self.system.singular(&singular, self.q, self.v));
         }
-        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, mode)));
+        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, selection)));
         rows.share(all, &self.system.model, &self.system.motion, &self.system.reduction, self.q);
         rows.place(&self.system.model, &self.system.motion, self.q, true);
         Ok(())
@@ -380,7 +380,7 @@ impl Evaluated<'_> {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub fn hold(&mut self, held: &[Held]) -> Result<Vec<bool>, Fault> {
+    pub fn hold(&mut self, held: &[HeldRow]) -> Result<Vec<bool>, Fault> {
         let mut a = std::mem::take(&mut self.system.scratch);
         let evaluated = self.accelerations(&mut a).map(|_| ());
         self.system.scratch = a;

@@ -29,7 +29,7 @@ pub use reach::Matrices;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
-pub use crate::constraint::{Held, Mode};
+pub use crate::constraint::{HeldRow, RowSelection};
 use crate::force::Act;
 use crate::model::Model;
 use crate::model::motor::Push;
@@ -206,14 +206,18 @@ impl System {
     /// Scratch memory for a model with its loops, drives and gears.
     pub fn new(model: &Arc<Model>) -> Self {
         let rows = Constraints::new(model);
-        Self::with(model, rows.map(|rows| Constrained::new(model, &Mode::default(), rows, &model.start_position)))
+        Self::with(
+            model,
+            rows.map(|rows| Constrained::new(model, &RowSelection::default(), rows, &model.start_position)),
+        )
     }
 
-    /// Scratch memory for a model in a mode. Which of its rows are independent is decided at a time (s) and a position.
-    pub fn in_mode(model: &Arc<Model>, mode: &Mode, time: f64, q: &[f64]) -> Self {
-        let mut rows = Constraints::in_mode(model, mode, time, q);
+    /// Scratch memory for a model with a selection of its rows. Which of these are independent is decided at a time (s) and a
+    /// position.
+    pub fn with_rows(model: &Arc<Model>, selection: &RowSelection, time: f64, q: &[f64]) -> Self {
+        let mut rows = Constraints::selected(model, selection, time, q);
         rows.iter_mut().for_each(|rows| rows.set_time(time));
-        Self::with(model, rows.map(|rows| Constrained::new(model, mode, rows, q)))
+        Self::with(model, rows.map(|rows| Constrained::new(model, selection, rows, q)))
     }
 
     fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {

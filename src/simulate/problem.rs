@@ -9,7 +9,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::implicit::tangent::Tangent;
 use crate::simulate::passage::Passage;
 use crate::simulate::state::State;
-use crate::simulate::stops::nonsmooth::{Held, Nonsmooth, within};
+use crate::simulate::stops::nonsmooth::{Holding, Nonsmooth, within};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -167,7 +167,7 @@ impl Motion {
     }
 
     /// What stops and dry friction hold at rest.
-    pub(super) fn held(&self) -> &[Held] {
+    pub(super) fn held(&self) -> &[Holding] {
         self.nonsmooth.as_ref().map_or(&[], |nonsmooth| &nonsmooth.held)
     }
 
@@ -176,7 +176,7 @@ impl Motion {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Held]) -> Result<(), Fault> {
+    pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Holding]) -> Result<(), Fault> {
         let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
         nonsmooth.set_held(held);
         let Some(passage) = &mut self.passage else { return Ok(()) };

@@ -43,7 +43,7 @@ pub fn check(model: &Arc<Model>, settings: &Settings, start: &State) -> Result<(
 ///
 /// # Errors
 /// [`RunError::Contact`] where that cannot be decided, and of what contact in motion does not have.
-pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<Held>, RunError> {
+pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<HeldAtRest>, RunError> {
     let Some(rule) = model.contacts.first() else { return Ok(None) };
     let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
     // What is compliant moves into what bears it.
@@ -55,7 +55,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
     };
     match found.map_err(|why| refuse(why.to_string()))? {
         Some(found) if found.verdict == Verdict::Stands => {
-            return Ok(Some(Held {
+            return Ok(Some(HeldAtRest {
                 model: with_contacts(model, &state.position, &found.contacts),
                 contacts: pushes(model, &found),
             }));
@@ -105,7 +105,7 @@ pub(super) fn is_steady(model: &Model) -> bool {
 }
 
 /// What holds a scene at rest.
-pub(super) struct Held {
+pub(super) struct HeldAtRest {
     /// The model with the forces of its contacts as loads.
     pub(super) model: Arc<Model>,
     /// These forces.

@@ -2,7 +2,7 @@
 
 use super::impact::FOUND;
 use super::watch::BEYOND;
-use super::{Closed, Contacts, GAP, Mode, Regime, STRAIGHT, Trouble};
+use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
 use crate::dynamics::{Fault, System};
@@ -23,7 +23,7 @@ const PARALLEL: f64 = 1e-6;
 const ALIKE: f64 = 0.5;
 /// Turns of the directions of slips that begin.
 const MOST_TURNS: usize = 20;
-/// Sweeps of the cone problem until its modes are tried, more of them each time: they may be right long before its forces are.
+/// Sweeps of the cone problem until the states of its contacts are tried, more of them each time: they may be right long before its forces are.
 const SWEEPS: [usize; 3] = [200, 5_000, 50_000];
 /// The whole scene rests if nothing accelerates by more than this part of the scene's own acceleration: what forces within cones balance.
 const STILL: f64 = 1e-8;
@@ -147,19 +147,19 @@ impl Contacts {
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
             // Between two steps rows are met to the accuracy of the interpolation only.
-            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.mode == Mode::Stick);
+            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.state == ContactState::Stick);
             let slow = if undisturbed && stuck { self.kept } else { self.slow };
             let friction = self.law(frame.key.couple).friction;
-            let mode = match slip.norm() > slow {
-                _ if friction.stick == 0.0 => Mode::Slip(Vector3::zeros()),
-                true => Mode::Slip(slip.normalize()),
-                false => Mode::Stick,
+            let state = match slip.norm() > slow {
+                _ if friction.stick == 0.0 => ContactState::Slip(Vector3::zeros()),
+                true => ContactState::Slip(slip.normalize()),
+                false => ContactState::Stick,
             };
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
             let (straight, across, pushes) = (false, 0.0, self.bears(frame));
-            Closed { key: frame.key, mode, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
+            Closed { key: frame.key, state, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
         });
         self.closed = closed.collect();
     }
@@ -172,7 +172,7 @@ impl Contacts {
         self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
     }
 
-    /// The modes of closed contacts, by one cone problem on accelerations.
+    /// The states of closed contacts, by one cone problem on accelerations.
     fn decide(&mut self, system: &mut System, time: f64, state: &mut State, less: f64) -> Result<(), Trouble> {
         if self.closed.is_empty() {
             return Ok(());
@@ -211,7 +211,7 @@ impl Contacts {
         Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why })
     }
 
-    /// Reads modes off an answer.
+    /// Reads the states of contacts off an answer.
     fn read(&mut self, touching: &[Closed], frames: &[Frame], found: &Answer, size: f64) {
         // What has not been found yet slips if it does so clearly.
         let slips = if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) } * size;
@@ -220,18 +220,18 @@ impl Contacts {
         for (k, closed) in touching.iter().enumerate() {
             let (force, rate, mut closed) = (found.forces[k], found.rates[k], closed.clone());
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
-            closed.mode = match (found.states[k], closed.mode) {
-                (_, mode) if !self.is_rigid(closed.key.couple) => mode,
+            closed.state = match (found.states[k], closed.state) {
+                (_, state) if !self.is_rigid(closed.key.couple) => state,
                 (Did::Open, _) if rate.x > slips => continue,
-                (Did::Open, _) => Mode::Spare,
-                (Did::Stick, _) => Mode::Stick,
-                (Did::Slip, _) if frictionless => Mode::Slip(Vector3::zeros()),
-                (Did::Slip, Mode::Slip(direction)) => Mode::Slip(direction),
-                (Did::Slip, _) if rate.yz().norm() <= slips => Mode::Stick,
+                (Did::Open, _) => ContactState::Spare,
+                (Did::Stick, _) => ContactState::Stick,
+                (Did::Slip, _) if frictionless => ContactState::Slip(Vector3::zeros()),
+                (Did::Slip, ContactState::Slip(direction)) => ContactState::Slip(direction),
+                (Did::Slip, _) if rate.yz().norm() <= slips => ContactState::Stick,
                 (Did::Slip, _) => {
                     let across = |x: Vector3<f64>| frames[k].basis.column(1) * x.y + frames[k].basis.column(2) * x.z;
                     let direction = (-across(force)).try_normalize(0.0).or_else(|| across(rate).try_normalize(0.0));
-                    Mode::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
+                    ContactState::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
                 }
             };
             let sprung = self.sprung(&closed, &frames[k]);
@@ -253,8 +253,8 @@ impl Contacts {
                 continue;
             }
             let own: Vec<usize> = (at..self.closed.len()).filter(|i| self.closed[*i].key.couple == couple).collect();
-            let slip = |i: &usize| match self.closed[*i].mode {
-                Mode::Slip(direction) if direction != Vector3::zeros() => Some(direction),
+            let slip = |i: &usize| match self.closed[*i].state {
+                ContactState::Slip(direction) if direction != Vector3::zeros() => Some(direction),
                 _ => None,
             };
             let directions: Vec<Vector3<f64>> = own.iter().filter_map(slip).collect();
@@ -264,7 +264,7 @@ impl Contacts {
             let straight = directions.iter().all(|direction| (direction - mean).norm() <= near);
             for i in own {
                 let closed = &mut self.closed[i];
-                if let Mode::Slip(direction) = &mut closed.mode
+                if let ContactState::Slip(direction) = &mut closed.state
                     && straight
                     && *direction != Vector3::zeros()
                 {
@@ -289,7 +289,7 @@ impl Contacts {
             let ends = last || moves || !(friction > 0.0);
             for closed in self.closed.iter_mut().filter(|closed| closed.straight && closed.key.couple == couple) {
                 closed.straight = !ends;
-                if let Mode::Slip(direction) = &mut closed.mode
+                if let ContactState::Slip(direction) = &mut closed.state
                     && !ends
                 {
                     let sideways = closed.meeting.normal.cross(direction);
@@ -299,7 +299,7 @@ impl Contacts {
         }
     }
 
-    /// Whether the rows of the modes give forces within their cones and let nothing sink that is open.
+    /// Whether the rows of these states give forces within their cones and let nothing sink that is open.
     fn fits(&mut self, system: &mut System, state: &State, frames: &[Frame], size: f64) -> Result<bool, Fault> {
         let (time, q, v) = (system.time(), &state.position, &state.velocity);
         let mut a = vec![0.0; v.len()];

@@ -80,7 +80,7 @@ struct Stretch {
 
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mode {
+pub(super) enum ContactState {
     /// No relative motion of what touches: it rests, or rolls.
     Stick,
     /// It slips in this direction, inertial axes, or has no friction (zero).
@@ -93,7 +93,7 @@ pub(super) enum Mode {
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
     key: Key,
-    pub(super) mode: Mode,
+    pub(super) state: ContactState,
     /// Its first tangent when it was closed.
     axis: Vector3<f64>,
     /// The gap that is kept (m).
@@ -131,7 +131,7 @@ pub(super) struct Contacts {
     frames: Vec<Frame>,
     /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
     last: (DMatrix<f64>, DVector<f64>),
-    /// Rows of the mode that are linearly independent.
+    /// Rows of closed contacts in their states that are linearly independent.
     independent: Vec<usize>,
     /// How far forces are within their cones in the last place, once that is asked for.
     reserve: OnceCell<f64>,
@@ -279,8 +279,8 @@ impl Contacts {
     /// The couples that bear and whether one of their contacts slips, with the relative spin.
     fn told(&self) -> Vec<(usize, bool)> {
         let mut told: Vec<(usize, bool)> = Vec::new();
-        for closed in self.closed.iter().filter(|closed| closed.mode != Mode::Spare) {
-            let slips = matches!(closed.mode, Mode::Slip(direction) if direction != Vector3::zeros());
+        for closed in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
+            let slips = matches!(closed.state, ContactState::Slip(direction) if direction != Vector3::zeros());
             match told.iter_mut().find(|(couple, _)| *couple == closed.key.couple) {
                 Some((_, any)) => *any |= slips,
                 None => told.push((closed.key.couple, slips)),
@@ -300,8 +300,8 @@ impl Contacts {
             slips,
         };
         if !self.follows_steps() && !self.closed.is_empty() {
-            let bears = self.closed.iter().filter(|closed| closed.mode != Mode::Spare);
-            let slips = |closed: &Closed| matches!(closed.mode, Mode::Slip(_));
+            let bears = self.closed.iter().filter(|closed| closed.state != ContactState::Spare);
+            let slips = |closed: &Closed| matches!(closed.state, ContactState::Slip(_));
             out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
             return;
         }

@@ -1,7 +1,7 @@
 //! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
 
 use super::blocks::Inverses;
-use super::{Closed, Contacts, Mode};
+use super::{Closed, ContactState, Contacts};
 use crate::contact::frame::{Frame, along, respond};
 use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Fault, System};
@@ -26,7 +26,7 @@ struct Row {
 impl Contacts {
     /// The direction in which a contact slips.
     fn direction(&self, closed: &Closed) -> Vector3<f64> {
-        let Mode::Slip(held) = closed.mode else { return Vector3::zeros() };
+        let ContactState::Slip(held) = closed.state else { return Vector3::zeros() };
         let (slip, speed) = (closed.slip, closed.slip.norm());
         let n = closed.meeting.normal;
         let flat = (held - n * n.dot(&held)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
@@ -41,12 +41,12 @@ impl Contacts {
         for (of, (closed, frame)) in self.closed.iter().zip(&self.frames).enumerate() {
             let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
             let rigid = self.is_rigid(closed.key.couple);
-            match closed.mode {
-                Mode::Spare => {}
+            match closed.state {
+                ContactState::Spare => {}
                 // Its spring presses.
                 _ if !rigid => {}
-                Mode::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
-                Mode::Slip(_) => {
+                ContactState::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
+                ContactState::Slip(_) => {
                     let friction = self.law(closed.key.couple).friction.slide;
                     let d = frame.flat(&self.direction(closed));
                     add(Vector3::x(), Vector3::new(1.0, -friction * d.x, -friction * d.y));
@@ -118,7 +118,7 @@ impl Contacts {
         }
     }
 
-    /// Decides which rows of the mode are linearly independent, in the last place: by pivots of `R M⁻¹ Rᵀ`, the largest first.
+    /// Decides which rows of closed contacts are linearly independent, in the last place: by pivots of `R M⁻¹ Rᵀ`, the largest first.
     pub(super) fn choose(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
         let rows = self.kept_rows();
         let answers = self.answers(system, q, v, &rows);
@@ -187,8 +187,8 @@ impl Contacts {
         for _ in 0..MOST_ROUNDS {
             let off = {
                 self.refresh(system, time, q, v, &mut scratch)?;
-                let off = |(closed, frame): (&Closed, &Frame)| match closed.mode {
-                    Mode::Spare => 0.0,
+                let off = |(closed, frame): (&Closed, &Frame)| match closed.state {
+                    ContactState::Spare => 0.0,
                     _ if !self.is_rigid(closed.key.couple) => 0.0,
                     _ => frame.meeting.gap - closed.gap,
                 };
@@ -272,13 +272,13 @@ impl Contacts {
         let mut cones = Vec::new();
         for row in &rows {
             let closed = &self.closed[row.of];
-            match closed.mode {
-                Mode::Stick if row.measures.x != 0.0 => {
+            match closed.state {
+                ContactState::Stick if row.measures.x != 0.0 => {
                     cones.push(Cone::Coulomb { friction: self.law(closed.key.couple).friction.stick });
                 }
-                Mode::Stick | Mode::Spare => {}
-                Mode::Slip(_) if row.measures.x == 0.0 => cones.push(Cone::Free),
-                Mode::Slip(_) => cones.push(Cone::Ray),
+                ContactState::Stick | ContactState::Spare => {}
+                ContactState::Slip(_) if row.measures.x == 0.0 => cones.push(Cone::Free),
+                ContactState::Slip(_) => cones.push(Cone::Ray),
             }
         }
         slack(&equations, &right.collect::<Vec<_>>(), &cones).map(|(slack, _)| slack)

@@ -17,7 +17,7 @@
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
 use super::instant::{ANSWERED, Instant, Of};
-use super::nonsmooth::Held;
+use super::nonsmooth::Holding;
 use crate::dynamics::Fault;
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::simulate::error::RunError;
@@ -70,7 +70,7 @@ impl Instant<'_> {
     }
 
     /// (1): what is held from now on.
-    pub(in crate::simulate) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Held>, RunError> {
+    pub(in crate::simulate) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Holding>, RunError> {
         let mut rest = self.at_rest();
         if rest.is_empty() {
             return Ok(Vec::new());
@@ -309,8 +309,8 @@ impl Instant<'_> {
     }
 
     /// What is held by the rows whose multipliers are free.
-    fn held(&self, rest: &[Rest], found: &Solution) -> Vec<Held> {
-        let mut held: Vec<Held> = Vec::new();
+    fn held(&self, rest: &[Rest], found: &Solution) -> Vec<Holding> {
+        let mut held: Vec<Holding> = Vec::new();
         for (one, _) in rest.iter().zip(&found.active).filter(|(_, active)| **active) {
             let (coordinate, sign) = self.coordinate(one.row);
             let own = self.entry(one.row, one.row);
@@ -322,7 +322,7 @@ impl Instant<'_> {
                     None => {
                         let (velocity, count, range) =
                             (law.velocity, law.count, [-law.friction.stick, law.friction.stick]);
-                        held.push(Held { velocity, count, stop: None, friction: one.friction, range, slack });
+                        held.push(Holding { velocity, count, stop: None, friction: one.friction, range, slack });
                     }
                 }
                 continue;
@@ -333,7 +333,7 @@ impl Instant<'_> {
             };
             let [low, high] = one.bounds;
             let range = if sign > 0.0 { [-high, -low] } else { [low, high] };
-            held.push(Held { velocity: coordinate, count: 1, stop, friction: one.friction, range, slack });
+            held.push(Holding { velocity: coordinate, count: 1, stop, friction: one.friction, range, slack });
         }
         held
     }
@@ -362,8 +362,8 @@ impl Instant<'_> {
     /// Puts what is held onto its limits, at rest; says what came to rest and what left.
     pub(in crate::simulate) fn settle(
         &mut self,
-        before: &[Held],
-        held: &[Held],
+        before: &[Holding],
+        held: &[Holding],
         rubbed: &[Rubbing],
         turn: Option<Turn>,
     ) -> Result<(), Fault> {
@@ -375,10 +375,10 @@ impl Instant<'_> {
             self.motion.lift(self.time, self.state, &sides)?;
         }
         self.motion.hold(self.time, self.state, held)?;
-        let now: Vec<Held> = self.motion.held().to_vec();
+        let now: Vec<Holding> = self.motion.held().to_vec();
         for row in 0..self.rows.len() {
             let Of::Stop(side) = self.rows[row] else { continue };
-            let rests = |list: &[Held]| list.iter().any(|held| held.stop == Some(side));
+            let rests = |list: &[Holding]| list.iter().any(|held| held.stop == Some(side));
             match (rests(before), rests(&now), self.stopped[row]) {
                 (false, true, speed) => self.note(row, Kind::Rest, speed.unwrap_or(0.0)),
                 (true, false, _) => self.note(row, Kind::Release, 0.0),

@@ -21,7 +21,7 @@
 //! **Dry friction** has no part in impacts: its forces are bounded, and an impact takes no time. What an impact sets in motion slides.
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
-use super::nonsmooth::Held;
+use super::nonsmooth::Holding;
 use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
 use crate::model::stop::sides;
@@ -97,7 +97,7 @@ pub(in crate::simulate) fn resolve(
     turn: Option<Turn>,
 ) -> Result<Outcome, RunError> {
     let fault = |fault| RunError::Sample { time, fault };
-    let before: Vec<Held> = motion.held().to_vec();
+    let before: Vec<Holding> = motion.held().to_vec();
     let rows = rows(motion, state, &before);
     let mut instant = Instant {
         motion,
@@ -130,14 +130,14 @@ pub(in crate::simulate) fn resolve(
 }
 
 /// Rigid stops that are touched, or hold, and all dry friction.
-fn rows(motion: &Motion, state: &State, held: &[Held]) -> Vec<Of> {
+fn rows(motion: &Motion, state: &State, held: &[Holding]) -> Vec<Of> {
     let frictions = motion.model().hinge_friction.iter().enumerate();
     let of_friction = frictions.flat_map(|(index, friction)| (0..friction.count).map(move |k| Of::Friction(index, k)));
     touched(motion, state, held).into_iter().map(Of::Stop).chain(of_friction).collect()
 }
 
 /// Rigid stops that are touched, or hold.
-fn touched(motion: &Motion, state: &State, held: &[Held]) -> Vec<StopSide> {
+fn touched(motion: &Motion, state: &State, held: &[Holding]) -> Vec<StopSide> {
     let stops = &motion.model().stops;
     let rigid = |side: &StopSide| stops[side.stop].is_rigid();
     let touches = |side: &StopSide| {

@@ -18,7 +18,7 @@
 //! With loops, drives and gears the accelerations are those that their rows allow, velocities are kept in agreement with
 //! the rows, and positions are closed after every step. Locks are held by rows too.
 
-use crate::dynamics::{Fault, Mode, System};
+use crate::dynamics::{Fault, RowSelection, System};
 use crate::model::Model;
 use crate::statics::effort::Iteration;
 use crate::statics::problem::place::Place;
@@ -73,7 +73,7 @@ pub(in crate::statics) fn run(
 fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<System, Fault> {
     let model = landscape.model();
     if model.is_constrained() {
-        return Ok(System::in_mode(model, &Mode::standing(model, q, &landscape.steady), 0.0, q));
+        return Ok(System::with_rows(model, &RowSelection::standing(model, q, &landscape.steady), 0.0, q));
     }
     let mut model = Model::clone(model);
     let mut inertia = vec![0.0; model.velocity_count()];

@@ -10,7 +10,7 @@
 //! so that every search, its certificate and its modes hold for it as they are.
 
 use super::equilibrium::{Bearing, Equilibrium};
-use super::modes::Mode;
+use super::modes::NaturalMode;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side, Stop, StopLaw};
@@ -181,7 +181,7 @@ pub(in crate::statics) fn finish(
         shape.extend(free.iter().map(|moves| if *moves { parts.next().unwrap_or(0.0) } else { 0.0 }));
     };
     if let Some(stability) = &mut found.stability {
-        stability.modes.iter_mut().for_each(|mode: &mut Mode| spread(&mut mode.shape));
+        stability.modes.iter_mut().for_each(|mode: &mut NaturalMode| spread(&mut mode.shape));
         stability.damped.iter_mut().for_each(|mode| mode.shape.iter_mut().for_each(spread));
     }
     Ok(found)

@@ -2,7 +2,7 @@
 
 use super::damped;
 use super::known::{Known, look_closer};
-use super::modes::{Mode, momentum, rates_of, scaled, shares};
+use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use super::stability::{
     Stability, Verdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized, verdict,
 };
@@ -220,7 +220,7 @@ fn classify(
         let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
         let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);
         let shares = shares(model, free, &momentum(mass, &shape), &shape);
-        Mode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
+        NaturalMode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
     };
     let found = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass));
     let mut modes = found.map_or(Vec::new(), |(values, vectors)| {

@@ -2,11 +2,11 @@
 
 pub(in crate::statics) mod assembled;
 pub(in crate::statics) mod bordered;
-mod held;
 mod limits;
 pub(in crate::statics) mod linear;
 pub(in crate::statics) mod place;
 mod prestress;
+mod row_space;
 pub(in crate::statics) mod sizes;
 mod split;
 mod stiffness;

@@ -31,7 +31,7 @@ pub use pushed::with_contacts;
 use self::closed::Scene;
 use self::supports::{Bearers, Bears};
 use super::certify::equilibrium::Equilibrium;
-use super::inverse::Held;
+use super::inverse::InverseAnswer;
 use super::search::{Observers, equilibrium_observed};
 use super::settings::{Margin, Settings};
 use crate::contact::support::Undecided;
@@ -292,12 +292,12 @@ pub fn overlap(model: &Model, gap: f64, pose: &[f64]) -> Result<(), Unanswered> 
 /// within the ranges, as contacts do not pull, or where there are none, the scene's own values clamped into them.
 pub(super) fn inputs(
     description: &Description,
-    mut held: Held,
+    mut held: InverseAnswer,
     model: &Arc<Model>,
     unknown: &[Parameter],
     settings: &Settings,
     asked: &Margin,
-) -> Result<Held, Unanswered> {
+) -> Result<InverseAnswer, Unanswered> {
     if !is_for(model) {
         return Ok(held);
     }
@@ -322,5 +322,5 @@ pub(super) fn inputs(
     found.unknowns.clone_from(&held.found.unknowns);
     found.method = "inverse";
     found.standing = Some(Box::new(given));
-    Ok(Held { found, ..held })
+    Ok(InverseAnswer { found, ..held })
 }

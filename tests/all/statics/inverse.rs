@@ -4,9 +4,9 @@ use crate::common::{Options, build, random_scene};
 use stillpoint::dynamics::System;
 use stillpoint::model::{Model, Parameter, Side};
 use stillpoint::scenario::{self, Scenario};
-use stillpoint::statics::{Held, Settings, hold};
+use stillpoint::statics::{InverseAnswer, Settings, hold};
 
-fn held(scenario: &Scenario) -> Held {
+fn held(scenario: &Scenario) -> InverseAnswer {
     let pose = Model::build(&scenario.description).expect("a model").start_position.clone();
     hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("numbers that are finite")
 }
