@@ -5,14 +5,14 @@ mod prepared;
 mod stepper;
 pub(super) mod together;
 mod touching;
-mod turning;
+mod transition;
 
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::simulate::asked::Asked;
-use crate::simulate::checks::pace::{Creep, Pace, Turns};
+use crate::simulate::checks::pace::{Creep, EventPace, Pace};
 use crate::simulate::choice::Choice;
 use crate::simulate::control::{Control, Function};
 use crate::simulate::error::{RunError, component_name, named};
@@ -156,7 +156,7 @@ struct Run<'m, 'f> {
     statistics: Statistics,
     /// `None` for a model without stops and events.
     events: Option<Events>,
-    turns: Turns,
+    event_pace: EventPace,
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
@@ -217,7 +217,7 @@ impl<'m, 'f> Run<'m, 'f> {
             choice: None,
             statistics: Statistics::default(),
             events,
-            turns: Turns::new(
+            event_pace: EventPace::new(
                 sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
             ),
             happened: Vec::new(),
@@ -310,8 +310,8 @@ impl Run<'_, '_> {
             let origin = time;
             let mut stepper = self.stepper(motion, settings, choice.method, time)?;
             let mut pace = Pace::new(time);
-            let (mut switch, mut stopped, mut turn, mut caught) = (false, false, None, false);
-            while !stepper.finished() && !switch && !stopped && turn.is_none() && !caught {
+            let (mut switch, mut stopped, mut transition, mut caught) = (false, false, None, false);
+            while !stepper.finished() && !switch && !stopped && transition.is_none() && !caught {
                 let hit = match self.step(motion, stepper.as_mut()) {
                     Err(_) if self.try_capture(motion, time) => {
                         caught = true;
@@ -320,7 +320,7 @@ impl Run<'_, '_> {
                     hit => hit?,
                 };
                 time = hit.map_or(stepper.time(), |hit| hit.time);
-                turn = hit.map(|hit| hit.turn);
+                transition = hit.map(|hit| hit.transition);
                 stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
                 recorder.pause()?;
                 self.close_step(motion, stepper.as_mut(), time)?;
@@ -330,11 +330,12 @@ impl Run<'_, '_> {
                         return Err(self.creeps(stepper.as_ref(), creep));
                     }
                 }
-                if turn.is_none() && !caught && self.toils(motion, stepper.as_ref(), time) {
+                if transition.is_none() && !caught && self.toils(motion, stepper.as_ref(), time) {
                     caught = self.try_capture(motion, time);
                 }
                 stopped |= !go_on(time, &self.state);
-                switch = turn.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));
+                switch =
+                    transition.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));
             }
             self.statistics.add(stepper.statistics());
             let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
@@ -346,13 +347,12 @@ impl Run<'_, '_> {
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0, between: None }, recorder)?;
             }
             self.choice = if self.rests { Some(resting::SAID.to_owned()) } else { choice.said() };
-            let turned = turn.is_some();
             if caught {
                 self.mark_all(recorder)?;
                 self.arm(motion, time);
             }
-            if let Some(turn) = turn {
-                self.turn(motion, settings, choice.method, Hit { time, turn })?;
+            if let Some(transition) = transition {
+                self.transition(motion, settings, choice.method, Hit { time, transition })?;
                 self.mark_all(recorder)?;
             }
             if self.stopped_by.is_some() {
@@ -362,7 +362,7 @@ impl Run<'_, '_> {
             if time >= self.end || stopped || self.stopped_by.is_some() {
                 return Ok(resume);
             }
-            if (!turned || self.is_due(next)) && time >= self.segment_end(next) {
+            if (transition.is_none() || self.is_due(next)) && time >= self.segment_end(next) {
                 time = next;
                 if self.is_due(time) {
                     self.carried = resume.step;
@@ -400,7 +400,7 @@ impl Run<'_, '_> {
         self.sampler.up_to(motion, &mut self.ledger, stepper, until, recorder, go_on)
     }
 
-    /// Hands on what happened at a turn.
+    /// Hands on what happened at a transition.
     fn mark_all(&mut self, recorder: &mut dyn Recorder) -> Result<(), RunError> {
         let happened = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.happened));
         happened.into_iter().try_for_each(|occurrence| self.mark(occurrence, recorder))

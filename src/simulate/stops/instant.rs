@@ -27,7 +27,7 @@ use crate::integrate::Problem as _;
 use crate::model::stop::sides;
 use crate::model::{StopLaw, StopSide};
 use crate::simulate::error::RunError;
-use crate::simulate::events::{Kind, Occurrence, Turn};
+use crate::simulate::events::{Kind, Occurrence, Transition};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
 
@@ -84,8 +84,8 @@ pub(in crate::simulate) struct Instant<'a> {
     pub(in crate::simulate) outcome: Outcome,
 }
 
-/// Resolves what happens at an instant: the state after it, and the mode in which the run goes on. `turn` is the event that
-/// was found, `None` at the start of a run.
+/// Resolves what happens at an instant: the state after it, and the discrete state in which the run goes on. `transition` is the
+/// event that was found, `None` at the start of a run.
 ///
 /// # Errors
 /// A stop that nothing can keep from being passed, or a system that cannot be evaluated.
@@ -94,7 +94,7 @@ pub(in crate::simulate) fn resolve(
     time: f64,
     state: &mut State,
     tolerance: f64,
-    turn: Option<Turn>,
+    transition: Option<Transition>,
 ) -> Result<Outcome, RunError> {
     let fault = |fault| RunError::Sample { time, fault };
     let before: Vec<Holding> = motion.held().to_vec();
@@ -113,7 +113,7 @@ pub(in crate::simulate) fn resolve(
         outcome: Outcome::default(),
     };
     if instant.rows.is_empty() {
-        instant.let_push(turn);
+        instant.let_push(transition);
         return Ok(instant.outcome);
     }
     instant.lift().map_err(fault)?;
@@ -122,10 +122,10 @@ pub(in crate::simulate) fn resolve(
     instant.impacts()?;
     let switched = instant.motion.switch_laws(time, instant.state, tolerance);
     instant.outcome.happened.extend(switched);
-    instant.let_push(turn);
-    let rubbed = instant.rub(turn);
-    let held = instant.decide(turn)?;
-    instant.settle(&before, &held, &rubbed, turn).map_err(fault)?;
+    instant.let_push(transition);
+    let rubbed = instant.rub(transition);
+    let held = instant.decide(transition)?;
+    instant.settle(&before, &held, &rubbed, transition).map_err(fault)?;
     Ok(instant.outcome)
 }
 
@@ -347,7 +347,7 @@ impl Instant<'_> {
     }
 
     /// Which compliant stops push after the impacts: what was found by the search, and what follows from new speeds.
-    fn let_push(&mut self, turn: Option<Turn>) {
+    fn let_push(&mut self, transition: Option<Transition>) {
         let compliant = |side: &StopSide| match self.motion.model().stops[side.stop].law {
             StopLaw::Compliant { stiffness, .. } => Some((*side, stiffness * self.motion.touching(*side))),
             StopLaw::Rigid { .. } => None,
@@ -360,8 +360,8 @@ impl Instant<'_> {
             let (depth, push) = (stop.depth(side.at, position), stop.push(side.at, position, velocity));
             let (inward, touching) = (side.at.sign() * velocity[stop.velocity], self.motion.touching(side));
             let now = self.motion.system.phase().pushes(side);
-            let wanted = match turn {
-                Some(Turn::Push(found, pushes)) if found == side => pushes,
+            let wanted = match transition {
+                Some(Transition::Push(found, pushes)) if found == side => pushes,
                 _ if now => push >= -noise,
                 _ if depth > touching => push > noise,
                 _ => depth >= -touching && inward > self.motion.still(stop.velocity),

@@ -25,7 +25,7 @@ use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use trace::{Tracer, Turn, seeds};
+use trace::{StopChange, Tracer, seeds};
 
 /// Branches that are followed, the first one included.
 const MOST_BRANCHES: usize = 24;
@@ -208,24 +208,24 @@ pub fn follow(
     }
     let mut tracer = Tracer::new(moving, settings);
     let mut queue = VecDeque::from([tracer.first(&q)?]);
-    let mut turns: VecDeque<(Turn, (usize, usize))> = VecDeque::new();
+    let mut changes: VecDeque<(StopChange, (usize, usize))> = VecDeque::new();
     // The stops that bear along each branch.
     let mut sets: Vec<Set> = Vec::new();
     loop {
         let Some(seed) = queue.pop_front() else {
-            let Some((turn, parent)) = turns.pop_front() else { break };
-            let q = &turn.point.place.q;
-            tracer = Tracer::new(family(turn.point.parameter, q, turn.set.clone())?, settings);
-            match tracer.onward(&turn, parent) {
+            let Some((change, parent)) = changes.pop_front() else { break };
+            let q = &change.point.place.q;
+            tracer = Tracer::new(family(change.point.parameter, q, change.set.clone())?, settings);
+            match tracer.onward(&change, parent) {
                 Some(seed) => queue.push_back(seed),
                 None => {
                     path.complete = false;
                     path.notes.push(format!(
                         "branch {} ends on the stop of {} at `{}` = {}: none was found that goes on from there",
                         parent.0,
-                        model.label(model.stops[turn.index].velocity),
+                        model.label(model.stops[change.index].velocity),
                         settings.parameter,
-                        number(turn.point.parameter)
+                        number(change.point.parameter)
                     ));
                 }
             }
@@ -241,7 +241,7 @@ pub fn follow(
             continue;
         }
         let index = path.branches.len();
-        let (branch, turn) = tracer.trace(seed, go_on)?;
+        let (branch, change) = tracer.trace(seed, go_on)?;
         if let End::Lost(reason) = &branch.end {
             let at = branch.points.last().map_or(settings.from, |point| point.parameter);
             let at = number(at);
@@ -252,7 +252,7 @@ pub fn follow(
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
-        turns.extend(turn.map(|turn| (turn, (index, branch.points.len() - 1))));
+        changes.extend(change.map(|change| (change, (index, branch.points.len() - 1))));
         path.branches.push(branch);
         sets.push(set);
     }

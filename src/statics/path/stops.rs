@@ -5,7 +5,7 @@
 //! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
 //! leaves its limit: that may be back where it came from.
 
-use super::trace::{Seed, Tracer, Turn};
+use super::trace::{Seed, StopChange, Tracer};
 use crate::model::{Side, Stop, StopLaw};
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
@@ -33,9 +33,9 @@ fn clear(moving: &mut Moving<'_>, stop: &Stop, side: Side, bears: bool, point: &
 
 impl Tracer<'_> {
     /// The first stop that a step comes to or lifts off.
-    pub(super) fn turn(&mut self, a: &Point, b: &Point, step: f64) -> Option<Turn> {
+    pub(super) fn change(&mut self, a: &Point, b: &Point, step: f64) -> Option<StopChange> {
         let set = self.moving.set().clone();
-        let mut first: Option<Turn> = None;
+        let mut first: Option<StopChange> = None;
         for (index, now) in set.iter().enumerate() {
             let stop = self.moving.stop(index);
             for side in stop.sides().filter(|side| now.is_none_or(|now| now == *side)) {
@@ -48,12 +48,12 @@ impl Tracer<'_> {
                 let start = value(self, a).map_or(0.0, |[start, _]| start).max(0.0);
                 let ends = [(0.0, start), (step, end)];
                 let located = self.located(a, ends, &mut |tracer, point| value(tracer, point).ok().map(|[x, _]| x));
-                // If the branch begins on it, it has turned at once.
+                // If the branch begins on it, the stop changes at once.
                 let (s, point) = located.unwrap_or_else(|| (0.0, a.clone()));
                 if first.as_ref().is_none_or(|first| s < first.s) {
                     let mut set = set.clone();
                     set[index] = if now.is_none() { Some(side) } else { None };
-                    first = Some(Turn { set, index, side, point, s });
+                    first = Some(StopChange { set, index, side, point, s });
                 }
             }
         }
@@ -61,11 +61,11 @@ impl Tracer<'_> {
     }
 
     /// The branch that goes on after a change, if there is one.
-    pub(super) fn onward(&mut self, turn: &Turn, parent: (usize, usize)) -> Option<Seed> {
-        let (q, parameter) = (turn.point.place.q.clone(), turn.point.parameter);
-        let stop = self.moving.stop(turn.index);
-        let bears = turn.set[turn.index].is_some();
-        let went = if turn.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
+    pub(super) fn onward(&mut self, change: &StopChange, parent: (usize, usize)) -> Option<Seed> {
+        let (q, parameter) = (change.point.place.q.clone(), change.point.parameter);
+        let stop = self.moving.stop(change.index);
+        let bears = change.set[change.index].is_some();
+        let went = if change.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
         for sign in [went, -went] {
             let still = vec![0.0; self.moving.metric().inertia.len()];
             let towards = Direction { x: still, parameter: sign };
@@ -73,7 +73,7 @@ impl Tracer<'_> {
             let mut curve = self.curve();
             let Some(point) = curve.correct(q.clone(), parameter, &towards, step) else { continue };
             let Some(beside) = curve.ahead(&point, look) else { continue };
-            if clear(&mut self.moving, &stop, turn.side, bears, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
+            if clear(&mut self.moving, &stop, change.side, bears, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
                 return Some(Seed { point, parent: Some(parent), beside: step });
             }
         }

@@ -37,7 +37,7 @@ pub(super) struct Seed {
 
 /// What changes at the end of a branch.
 #[derive(Debug, Clone)]
-pub(super) struct Turn {
+pub(super) struct StopChange {
     /// The stops that bear from there on.
     pub set: Set,
     /// Which of them has changed, and on which side.
@@ -93,7 +93,7 @@ impl<'a> Tracer<'a> {
         &mut self,
         seed: Seed,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<(Branch, Option<Turn>), String> {
+    ) -> Result<(Branch, Option<StopChange>), String> {
         let parent = seed.parent;
         let first = seed.point;
         let mut count = self.moving.count(&first.place, first.parameter)?;
@@ -118,10 +118,10 @@ impl<'a> Tracer<'a> {
             let mut between = self.events(&here, &next, step, [count, next_count]);
             let mut leaves = self.marks(&here, &next, step, &mut between);
             between.sort_by(|a, b| a.s.total_cmp(&b.s));
-            let turn = self.turn(&here, &next, step);
-            let turn = turn.filter(|turn| !leaves || between.last().is_none_or(|last| turn.s < last.s));
-            if let Some(turn) = &turn {
-                between.retain(|one| one.s < turn.s);
+            let change = self.change(&here, &next, step);
+            let change = change.filter(|change| !leaves || between.last().is_none_or(|last| change.s < last.s));
+            if let Some(change) = &change {
+                between.retain(|one| one.s < change.s);
                 leaves = false;
             }
             for one in between {
@@ -131,16 +131,16 @@ impl<'a> Tracer<'a> {
                 };
                 self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
             }
-            if let Some(turn) = turn {
-                let count = self.moving.count(&turn.point.place, turn.point.parameter)?;
-                let (stop, lifts) = (self.moving.stop(turn.index), turn.set[turn.index].is_none());
+            if let Some(change) = change {
+                let count = self.moving.count(&change.point.place, change.point.parameter)?;
+                let (stop, lifts) = (self.moving.stop(change.index), change.set[change.index].is_none());
                 let kind = if lifts { EventKind::Lift } else { EventKind::Stop };
                 let carriers = vec![self.moving.model().owner(stop.velocity).to_owned()];
                 let event = Event { kind, directions: 1, carriers };
-                self.push(&mut branch, &turn.point, count, arclength + turn.s, Some(event), false)?;
-                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(turn.side));
+                self.push(&mut branch, &change.point, count, arclength + change.s, Some(event), false)?;
+                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(change.side));
                 branch.end = End::Stop { hinge, limit, lifts };
-                return Ok((branch, Some(turn)));
+                return Ok((branch, Some(change)));
             }
             if leaves {
                 let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
@@ -189,9 +189,9 @@ impl<'a> Tracer<'a> {
         let mut found = Vec::new();
         let [before, after] = counts;
         let changes = before.negative.abs_diff(after.negative);
-        let turns = a.ahead.parameter * b.ahead.parameter < 0.0;
+        let folds = a.ahead.parameter * b.ahead.parameter < 0.0;
         let mut others = changes;
-        if turns {
+        if folds {
             let ends = [(0.0, a.ahead.parameter), (step, b.ahead.parameter)];
             let small = 1e-12 * self.settings.step * self.moving.metric().range;
             let located = self.curve().root(a, ends, small, &mut |_, point| Some(point.ahead.parameter));
@@ -202,7 +202,7 @@ impl<'a> Tracer<'a> {
                 found.push(self.event(s, point, kind, 1));
             }
         }
-        if others > 0 && !turns {
+        if others > 0 && !folds {
             let located = self.singular(a, step, [before, after]);
             found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Bifurcation, others)));
         }
