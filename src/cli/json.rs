@@ -166,7 +166,7 @@ fn told_of_beams(beams: Result<Vec<BeamState>, Fault>) -> (Value, Option<String>
     }
 }
 
-fn bearing(stop: &crate::statics::Bearing) -> Value {
+fn bearing(stop: &crate::statics::BearingStop) -> Value {
     json!({
         "hinge": bare(&stop.hinge),
         "side": stop.side.name(),

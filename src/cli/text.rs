@@ -7,7 +7,7 @@ use super::output::{bold, verdict};
 use crate::constraint::Assembly;
 use crate::contact::support;
 use crate::model::{Body, Model, Output};
-use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, Verdict};
+use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
 pub(super) use ended::{run, verified};
 use std::fmt::Write;
 use std::time::Duration;
@@ -68,7 +68,7 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
             (format!("aim missed, {} equilibrium", stability.verdict.name()), false)
         }
         (Some(stability), true) => {
-            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != Verdict::Unstable)
+            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != StabilityVerdict::Unstable)
         }
         _ if found.stage == "given" => ("the pose does not stand".to_owned(), false),
         _ => ("no equilibrium found".to_owned(), false),

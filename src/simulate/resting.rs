@@ -20,7 +20,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
-use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
+use crate::statics::standing::{BearingContacts, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -112,7 +112,7 @@ pub(super) struct HeldAtRest {
     pub(super) contacts: Vec<ContactPush>,
 }
 
-fn pushes(model: &Model, found: &Bearing) -> Vec<ContactPush> {
+fn pushes(model: &Model, found: &BearingContacts) -> Vec<ContactPush> {
     let push = |one: &ContactForce| ContactPush {
         between: one.contact.bodies.map(|body| model.bodies[body].name.clone()),
         point: one.contact.point.into(),

@@ -32,9 +32,9 @@ mod watch;
 
 pub use answer::answer;
 pub use certify::damped::DampedMode;
-pub use certify::equilibrium::{Bearing, Equilibrium};
+pub use certify::equilibrium::{BearingStop, Equilibrium};
 pub use certify::modes::NaturalMode;
-pub use certify::stability::{Stability, Verdict};
+pub use certify::stability::{Stability, StabilityVerdict};
 pub use effort::{Iteration, Stage};
 pub use inverse::{InverseAnswer, hold};
 pub use outputs::{beams, diagrams, outputs};

@@ -15,7 +15,7 @@ mod bounded;
 mod words;
 
 use super::certify::equilibrium::Equilibrium;
-use super::certify::stability::Verdict;
+use super::certify::stability::StabilityVerdict;
 use super::inverse::{InverseAnswer, unit};
 use super::outputs::outputs;
 use super::search::{Observers, equilibrium_observed};
@@ -329,7 +329,7 @@ impl Search<'_> {
         let found = search(&model, self.settings, self.go_on).map_err(|fault| refused(fault.to_string()))?;
         let notes = found.notes.join("; ");
         let is_unstable =
-            |found: &Equilibrium| found.stability.as_ref().is_some_and(|of| of.verdict == Verdict::Unstable);
+            |found: &Equilibrium| found.stability.as_ref().is_some_and(|of| of.verdict == StabilityVerdict::Unstable);
         let ends = found.balanced && is_unstable(&found);
         let why = format!("no equilibrium on the way: {notes}");
         self.stand(description, scene, model, found).ok_or(Refused { why, ends })

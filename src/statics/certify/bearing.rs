@@ -9,7 +9,7 @@
 //!
 //! so that every search, its certificate and its modes hold for it as they are.
 
-use super::equilibrium::{Bearing, Equilibrium};
+use super::equilibrium::{BearingStop, Equilibrium};
 use super::modes::NaturalMode;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
@@ -169,7 +169,7 @@ pub(in crate::statics) fn finish(
             StopLaw::Compliant { .. } => stop.depth(side, &found.position).max(0.0),
         };
         let hinge = model.label(stop.velocity);
-        found.stops.push(Bearing { hinge, side, limit, load: load.max(0.0), depth });
+        found.stops.push(BearingStop { hinge, side, limit, load: load.max(0.0), depth });
     }
     let locked = |i: &usize| model.coordinates[*i].lock;
     let labels: Vec<String> = (0..model.velocity_count()).filter(locked).map(|i| model.label(i)).collect();

@@ -24,7 +24,7 @@ pub(in crate::statics) fn by_matrices(model: &Model, free: usize) -> bool {
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum StabilityVerdict {
     /// Every small push comes back.
     Stable,
     /// Some push runs away.
@@ -33,7 +33,7 @@ pub enum Verdict {
     Neutral,
 }
 
-impl Verdict {
+impl StabilityVerdict {
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl Verdict {
 #[derive(Debug, Clone)]
 pub struct Stability {
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: StabilityVerdict,
     /// Number of directions that run away.
     pub unstable_directions: usize,
     /// Number of zero-stiffness directions.
@@ -96,7 +96,13 @@ pub(in crate::statics) fn classify(
     if free.is_empty() {
         let (unstable_directions, neutral_directions) = (0, 0);
         let (modes, damped) = (Vec::new(), Vec::new());
-        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes, damped });
+        return Ok(Stability {
+            verdict: StabilityVerdict::Stable,
+            unstable_directions,
+            neutral_directions,
+            modes,
+            damped,
+        });
     }
     let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
@@ -149,11 +155,11 @@ pub(in crate::statics) fn classify_by_sweeps(
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
-pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> Verdict {
+pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> StabilityVerdict {
     match (unstable, neutral) {
-        (0, 0) => Verdict::Stable,
-        (0, _) => Verdict::Neutral,
-        _ => Verdict::Unstable,
+        (0, 0) => StabilityVerdict::Stable,
+        (0, _) => StabilityVerdict::Neutral,
+        _ => StabilityVerdict::Unstable,
     }
 }
 

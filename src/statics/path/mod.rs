@@ -15,7 +15,7 @@ mod trace;
 
 use super::certify::bearing::Set;
 use super::certify::equilibrium::Equilibrium;
-use super::certify::stability::Verdict;
+use super::certify::stability::StabilityVerdict;
 use super::family::{Moving, borne};
 use super::problem::assembled::Assembled;
 use super::search::{Observers, equilibrium_observed};
@@ -120,7 +120,7 @@ pub struct PathPoint {
     /// Largest unbalanced force relative to the forces that cancel there.
     pub relative_residual: f64,
     /// What kind of equilibrium it is.
-    pub verdict: Verdict,
+    pub verdict: StabilityVerdict,
     /// Directions that run away.
     pub unstable_directions: usize,
     /// Whether it is one of the values that were asked for.

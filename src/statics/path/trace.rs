@@ -3,7 +3,7 @@
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
 use crate::model::Side;
 use crate::statics::certify::bearing::Set;
-use crate::statics::certify::stability::Verdict;
+use crate::statics::certify::stability::StabilityVerdict;
 use crate::statics::family::{Count, Moving};
 use crate::statics::search::curve::{Curve, Direction, Family, Point};
 use crate::statics::search::illinois::illinois;
@@ -371,9 +371,9 @@ impl<'a> Tracer<'a> {
     ) -> Result<(), String> {
         let record = self.moving.record(&point.place.q, point.parameter)?;
         let verdict = match (count.unstable, count.neutral) {
-            (0, 0) => Verdict::Stable,
-            (0, _) => Verdict::Neutral,
-            _ => Verdict::Unstable,
+            (0, 0) => StabilityVerdict::Stable,
+            (0, _) => StabilityVerdict::Neutral,
+            _ => StabilityVerdict::Unstable,
         };
         branch.points.push(PathPoint {
             parameter: point.parameter,

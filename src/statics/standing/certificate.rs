@@ -4,7 +4,7 @@ use super::super::certify::equilibrium::{Equilibrium, examine};
 use super::super::certify::stability;
 use super::super::problem::assembled::Assembled;
 use super::super::settings::{Settings, Want};
-use super::{Standing, Unanswered};
+use super::{StandingReport, Unanswered};
 use crate::contact::support::Verdict;
 use crate::model::description::{Attachment, ForceDescription, Point};
 use crate::model::problem::in_one_line;
@@ -19,7 +19,7 @@ pub(super) fn certificate(
     model: &Arc<Model>,
     settings: &Settings,
     pose: &[f64],
-    standing: &Standing,
+    standing: &StandingReport,
 ) -> Result<Equilibrium, Unanswered> {
     let loaded = loaded(description, model, pose, standing);
     let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
@@ -38,7 +38,8 @@ pub(super) fn certificate(
     if !standing.contacts.is_empty() {
         found.stability.clone_from(&standing.stability);
     }
-    let unstable = found.stability.as_ref().is_some_and(|stability| stability.verdict == stability::Verdict::Unstable);
+    let unstable =
+        found.stability.as_ref().is_some_and(|stability| stability.verdict == stability::StabilityVerdict::Unstable);
     found.converged &= !(unstable && settings.want == Want::Stable);
     if !stands {
         (found.balanced, found.stability) = (false, None);
@@ -47,7 +48,7 @@ pub(super) fn certificate(
 }
 
 /// The scene with the forces of contacts and stops as loads and hinge forces.
-fn loaded(description: &Description, model: &Model, pose: &[f64], standing: &Standing) -> Description {
+fn loaded(description: &Description, model: &Model, pose: &[f64], standing: &StandingReport) -> Description {
     let mut motion = Motion::new(model);
     motion.update(model, pose, &vec![0.0; model.velocity_count()]);
     let mut loaded = description.clone();

@@ -22,7 +22,7 @@ mod settle;
 mod supports;
 
 pub use crate::contact::pairs::Untouchable;
-pub use answer::{ContactForce, FrictionForce, Standing};
+pub use answer::{ContactForce, FrictionForce, StandingReport};
 pub use closed::Contact;
 pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
@@ -165,7 +165,7 @@ pub fn standing(
     settings: &Settings,
     asked: &Margin,
     pose: &[f64],
-) -> Result<Standing, Unanswered> {
+) -> Result<StandingReport, Unanswered> {
     if let Some(drive) = model.drives.iter().find(|drive| drive.motion.at(0.0).velocity != 0.0) {
         let why = format!("drive `{}` moves at t = 0: whether a scene stands is asked of scenes at rest", drive.name);
         return Err(Unanswered::Open(why));
@@ -203,7 +203,7 @@ pub fn standing(
         }
         _ => None,
     };
-    Ok(Standing {
+    Ok(StandingReport {
         stability,
         verdict: found.verdict,
         slack: found.slack,
@@ -254,12 +254,12 @@ fn forces(model: &Model, scene: &Scene, bearers: &Bearers, all: &[f64]) -> Force
     Forces { contacts, friction, stops }
 }
 
-/// What contacts bear in a pose, and nothing else of [`Standing`].
+/// What contacts bear in a pose, and nothing else of [`StandingReport`].
 #[derive(Debug, Clone)]
-pub struct Bearing {
+pub struct BearingContacts {
     /// The verdict.
     pub verdict: Verdict,
-    /// Of closed contacts, as in [`Standing::contacts`].
+    /// Of closed contacts, as in [`StandingReport::contacts`].
     pub contacts: Vec<ContactForce>,
     /// How it gives way if it falls.
     pub mechanism: Mechanism,
@@ -270,13 +270,13 @@ pub struct Bearing {
 ///
 /// # Errors
 /// [`Unanswered`].
-pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<Bearing, Unanswered> {
+pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<BearingContacts, Unanswered> {
     let scene = Scene::new(model, pose, gap)?;
     let bearers = Bearers::new(model, pose, &scene)?;
     let found = bearers.supports.standing(&bearers.load)?;
     let mechanism = mechanism::mechanism(model, pose, &scene, &bearers, &found.motion);
     let contacts = forces(model, &scene, &bearers, &found.forces).contacts;
-    Ok(Bearing { verdict: found.verdict, contacts, mechanism })
+    Ok(BearingContacts { verdict: found.verdict, contacts, mechanism })
 }
 
 /// Whether shapes overlap in a pose by more than `gap` times the size of the smaller one.

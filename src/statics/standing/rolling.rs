@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::motion::displace;
 use crate::sparse::{SparseRows, kernel};
 use crate::statics::certify::modes::NaturalMode;
-use crate::statics::certify::stability::{Stability, Verdict};
+use crate::statics::certify::stability::{Stability, StabilityVerdict};
 use crate::statics::problem::sizes::NEUTRAL;
 use crate::transfer::mass::MassAction;
 use faer::{Mat, Side};
@@ -43,7 +43,7 @@ pub(super) fn stability(
             Ok(modes) => modes,
             // Nothing presses where it would have to give way: it is free there, to one side.
             Err(Unanswered::Untouchable(_)) => {
-                let (verdict, modes, damped) = (Verdict::Neutral, Vec::new(), Vec::new());
+                let (verdict, modes, damped) = (StabilityVerdict::Neutral, Vec::new(), Vec::new());
                 return Ok(Stability { verdict, unstable_directions: 0, neutral_directions: k, modes, damped });
             }
             Err(other) => return Err(other),
@@ -52,9 +52,9 @@ pub(super) fn stability(
     let unstable = modes.iter().filter(|mode| mode.growth_rate > 0.0).count();
     let neutral = modes.iter().filter(|mode| mode.growth_rate == 0.0 && mode.frequency_hz == 0.0).count();
     let verdict = match (unstable, neutral) {
-        (0, 0) => Verdict::Stable,
-        (0, _) => Verdict::Neutral,
-        _ => Verdict::Unstable,
+        (0, 0) => StabilityVerdict::Stable,
+        (0, _) => StabilityVerdict::Neutral,
+        _ => StabilityVerdict::Unstable,
     };
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped: Vec::new() })
 }

@@ -8,7 +8,7 @@ use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::events::Kind;
 use stillpoint::simulate::{self, RunError, State, Summary};
-use stillpoint::statics::{Settings, Verdict, equilibrium};
+use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
 
 const G: f64 = 9.80665;
 /// Of the parallelogram: the weights' lever, and the inertia that all of it has about the rods' hinges.
@@ -74,7 +74,7 @@ fn the_stop_of_one_rod_bears_the_moments_of_all_bars() {
     }
     // Nothing is left that could move.
     let stability = rest.stability.expect("a verdict");
-    assert_eq!((stability.verdict, stability.modes.len()), (Verdict::Stable, 0));
+    assert_eq!((stability.verdict, stability.modes.len()), (StabilityVerdict::Stable, 0));
     // From there a run goes nowhere.
     let start = State { position: rest.position.clone(), velocity: vec![0.0; 3] };
     let summary = simulate::run(&model, &scenario.simulate, 100.0, &start, &mut Fanout::new(), &mut |_, _| true)
