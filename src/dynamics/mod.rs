@@ -334,9 +334,9 @@ impl System {
         self.time
     }
 
-    /// The factorization of the last accelerations, which were at `q` and `v`. For contact alone: others keep what
-    /// [`Evaluated::accelerations`] gives, which proves it.
-    pub(crate) fn factorized<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
+    /// The factorization of the last accelerations at `q` and `v`, which they may have been beside. For contact alone, where that is
+    /// as good: others keep what [`Evaluated::accelerations`] gives, which proves the place.
+    pub(crate) fn factorized_beside<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
         Factorized { system: self, q, v }
     }
 

@@ -116,20 +116,26 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+        let mut mass = if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
             self.system.pressed().fill(Wrench::ZERO);
             passage.accelerations(&mut self.system, time, q, v, a)?;
+            if self.contacts.is_none() {
+                return Ok(());
+            }
+            // Contacts push here; the factorization is that of a place nearby.
+            self.system.at(time, q, v);
+            self.system.factorized_beside(q, v)
         } else {
-            let mut at = self.system.at_without_contact(time, q, v);
-            let mut mass = at.accelerations(a)?;
+            let mut mass = self.system.at_without_contact(time, q, v).into_accelerations(a)?;
             if let Some(nonsmooth) = &mut self.nonsmooth {
                 nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
             }
+            mass
+        };
+        if let Some(contacts) = &mut self.contacts {
+            contacts.correct(&mut mass, a);
         }
-        match &mut self.contacts {
-            Some(contacts) => contacts.correct(&mut self.system, q, v, a),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Brings a state onto loops, drives and gears, but for one that touches a singular position.

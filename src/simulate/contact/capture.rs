@@ -19,7 +19,7 @@ use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::Key;
 use crate::dynamics::applied::Rubbing;
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Factorized, Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
@@ -305,11 +305,11 @@ impl Contacts {
     }
 
     /// Adds what the forces of the last captured step do to accelerations, and hands them to the system.
-    pub(super) fn carry(&mut self, system: &mut System, q: &[f64], v: &[f64], a: &mut [f64]) {
-        let motion = system.at(system.time(), q, v);
-        frame::carried(motion.motion(), &self.model, &mut self.carried);
-        self.pairs.place(motion.motion());
-        let mut push = vec![0.0; v.len()];
+    pub(super) fn carry(&mut self, mass: &mut Factorized<'_>, a: &mut [f64]) {
+        let motion = mass.motion();
+        frame::carried(motion, &self.model, &mut self.carried);
+        self.pairs.place(motion);
+        let mut push = vec![0.0; a.len()];
         let mut wrenches = Vec::new();
         for (id, force) in &self.memory.forces {
             let key = match id {
@@ -325,17 +325,17 @@ impl Contacts {
                 }
             };
             let Some(meeting) = self.pairs.meeting(key) else { continue };
-            let frame = Frame::new(&self.model, motion.motion(), &self.pairs, &self.carried, *key, meeting, None);
+            let frame = Frame::new(&self.model, motion, &self.pairs, &self.carried, *key, meeting, None);
             frame.push(&frame.basis.tr_mul(force), &mut push);
             wrenches.push((frame.links, meeting.point, *force));
         }
-        let mut change = vec![0.0; v.len()];
-        frame::respond(system, q, v, &push, &mut change);
+        let mut change = vec![0.0; a.len()];
+        mass.answer_impulse(&push, &mut change);
         a.iter_mut().zip(&change).for_each(|(a, change)| *a += change);
         if self.is_at_rest() {
             a.fill(0.0);
         }
-        wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(system, links, &point, &force));
+        wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(mass, links, &point, &force));
     }
 
     /// What may bear within a step: contacts, and rigid stops and dry friction of hinges.
@@ -405,14 +405,15 @@ fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    motion.system.at_without_contact(time + 0.5 * h, &position, v).accelerations(&mut velocity)?;
+    let Motion { contacts, system, .. } = motion;
+    let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
-    let Motion { contacts: Some(contacts), system, .. } = motion else {
+    let Some(contacts) = contacts else {
         return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, opposed: 0.0, raised: 0.0, found: true });
     };
-    let frames = contacts.ahead(system.at(time + 0.5 * h, &position, v).motion(), h);
+    let frames = contacts.ahead(mass.motion(), h);
     let supports = contacts.supports(&frames, &position, v);
-    let blocks = Blocks::new(contacts, system, &position, v, &supports);
+    let blocks = Blocks::new(contacts, &mut mass, &supports);
     let longest = LONGEST * contacts.model.time_scale();
     let way = |support: &Support| {
         if support.gap > 0.0 { 2.0 * support.gap / h } else { RISES * support.gap / h.max(longest) }

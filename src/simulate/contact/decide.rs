@@ -5,7 +5,7 @@ use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Factorized, Fault, System};
 use crate::simulate::events::Kind;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
@@ -68,9 +68,8 @@ impl Contacts {
         let mut struck: Vec<usize> = Vec::new();
         for round in 0.. {
             self.lift(system, time, state)?;
-            let frames = self.meet(system, time, state)?;
-            let rigid: Vec<Frame> = frames.into_iter().filter(|frame| self.is_rigid(frame.key.couple)).collect();
-            let frames = rigid;
+            let (frames, mut mass) = self.meet(system, time, state)?;
+            let frames: Vec<Frame> = frames.into_iter().filter(|frame| self.is_rigid(frame.key.couple)).collect();
             if !frames.iter().any(|frame| self.approaches(frame)) {
                 break;
             }
@@ -79,7 +78,8 @@ impl Contacts {
                 let why = format!("{MOST_ROUNDS} rounds of impacts at one instant leave them approaching");
                 return Err(Trouble::Undecided { between: self.between(worst), why });
             }
-            let impacts = self.strike(system, state, &frames)?;
+            let answers = responses(&mut mass, &frames);
+            let impacts = self.strike(&frames, &answers, &mut state.velocity)?;
             changed.lost += impacts.lost;
             changed.struck = true;
             for impact in impacts.all {
@@ -87,7 +87,7 @@ impl Contacts {
                 changed.told.push(self.say(Kind::Strikes, impact.couple, impact.speed));
             }
         }
-        let frames = self.meet(system, time, state)?;
+        let (frames, _) = self.meet(system, time, state)?;
         if 3 * frames.len() > super::MOST_ROWS {
             let why = format!("{} contacts are too many", frames.len());
             return Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why });
@@ -111,18 +111,24 @@ impl Contacts {
         Told { kind, between: self.between(couple), rule: self.pairs.couples[couple].rule, speed }
     }
 
-    /// All that touches, the system being factorized there.
-    fn meet(&mut self, system: &mut System, time: f64, state: &State) -> Result<Vec<Frame>, Fault> {
+    /// All that touches, and the mass matrix there.
+    fn meet<'a>(
+        &mut self,
+        system: &'a mut System,
+        time: f64,
+        state: &'a State,
+    ) -> Result<(Vec<Frame>, Factorized<'a>), Fault> {
         let mut a = vec![0.0; state.velocity.len()];
-        system.at_without_contact(time, &state.position, &state.velocity).accelerations(&mut a)?;
-        Ok(self.touching(system, time, state))
+        let at = system.at_without_contact(time, &state.position, &state.velocity);
+        let mass = at.into_accelerations(&mut a)?;
+        Ok((self.touching(mass.motion()), mass))
     }
 
     /// Brings what touches to gaps of zero.
     fn lift(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
         let length = self.model.length_scale();
         for _ in 0..6 {
-            let frames = self.meet(system, time, state)?;
+            let (frames, mut mass) = self.meet(system, time, state)?;
             let gaps: Vec<f64> = frames.iter().map(|frame| frame.meeting.gap).collect();
             // What parts may stay open; what is compliant is where it is.
             let off = |(gap, frame): (&f64, &Frame)| match self.is_rigid(frame.key.couple) {
@@ -135,7 +141,7 @@ impl Contacts {
                 break;
             }
             self.frames = frames;
-            let by = self.lifted(system, &state.position, &state.velocity, &off);
+            let by = self.lifted(&mut mass, &off);
             System::displace(&self.model, &mut state.position, &by);
         }
         Ok(())
@@ -167,8 +173,8 @@ impl Contacts {
     /// Takes from velocities what closed contacts do not allow, all of it below the speed of rest.
     fn hold(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
         let mut a = vec![0.0; state.velocity.len()];
-        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.choose(system, &state.position, &state.velocity);
+        let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+        self.choose(&mut mass);
         self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
     }
 
@@ -178,15 +184,15 @@ impl Contacts {
             return Ok(());
         }
         let mut a = vec![0.0; state.velocity.len()];
-        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.press_springs(system, &state.position, &state.velocity, &mut a);
+        let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+        self.press_springs(&mut mass, &mut a);
         let mut frames = self.frames.clone();
         // Of what is compliant the normal force is known.
         for frame in frames.iter_mut().filter(|frame| !self.is_rigid(frame.key.couple)) {
             frame.columns[0].clear();
             frame.bias.x = 0.0;
         }
-        let answers = responses(system, &state.position, &state.velocity, &frames);
+        let answers = responses(&mut mass, &frames);
         let rates: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
         let problem = problem(&frames, &answers, rates, self.laws(&frames, less));
@@ -304,9 +310,9 @@ impl Contacts {
         let (time, q, v) = (system.time(), &state.position, &state.velocity);
         let mut a = vec![0.0; v.len()];
         for turn in 0..=MOST_TURNS + 1 {
-            self.refresh(system, time, q, v, &mut a)?;
-            self.choose(system, q, v);
-            self.correct(system, q, v, &mut a)?;
+            let mut mass = self.refresh(system, time, q, v, &mut a)?;
+            self.choose(&mut mass);
+            self.correct(&mut mass, &mut a);
             let bent = self.bent();
             if bent <= 1e-3 * STRAIGHT && (bent <= 1e-13 || turn == MOST_TURNS) {
                 break;

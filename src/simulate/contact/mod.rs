@@ -25,12 +25,12 @@ mod rows;
 mod spring;
 mod watch;
 
-use super::state::State;
 use crate::contact::frame::{self, Frame};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::{Key, LOOSE, Pairs, Untouchable};
-use crate::dynamics::{Fault, System};
+use crate::dynamics::Fault;
 use crate::model::Model;
+use crate::motion::Motion;
 use crate::record::ContactPush;
 use crate::spatial::link::LinkAcceleration;
 pub(super) use capture::Capture;
@@ -217,11 +217,8 @@ impl Contacts {
         &self.model.contacts[self.pairs.couples[couple].rule]
     }
 
-    /// The frames of closed contacts at the place of a system.
-    fn stand(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
-        let time = system.time();
-        let at = system.at(time, q, v);
-        let motion = at.motion();
+    /// The frames of closed contacts in one place.
+    fn stand(&mut self, motion: &Motion) {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         self.frames.clear();
@@ -237,9 +234,7 @@ impl Contacts {
     }
 
     /// Frames of all contacts that touch in a place: those that were closed and still count, and those whose gap is none.
-    fn touching(&mut self, system: &mut System, time: f64, state: &State) -> Vec<Frame> {
-        let at = system.at(time, &state.position, &state.velocity);
-        let motion = at.motion();
+    fn touching(&mut self, motion: &Motion) -> Vec<Frame> {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let mut found: Vec<(Key, Meeting)> = Vec::new();
