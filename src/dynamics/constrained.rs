@@ -1,6 +1,6 @@
 //! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
-use super::{Evaluated, Fault, System};
+use super::{Evaluated, Factorized, Fault, System};
 use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate, RowSelection};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
@@ -169,12 +169,6 @@ impl System {
     /// (N or N m); empty if it has no row.
     pub fn held_force(&self, velocity: usize) -> &[f64] {
         self.constraints.as_ref().map_or(&[], |tied| tied.rows.held_force(velocity))
-    }
-
-    /// What drives do in an impulse that changes velocities so, after
-    /// [`Factorized::answer_impulse`](super::Factorized::answer_impulse) (J): their impulse times their speed.
-    pub fn impulse_work(&self, change: &[f64]) -> f64 {
-        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(&self.model, change))
     }
 
     /// Brings a state at a time (s) onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
@@ -412,12 +406,20 @@ impl Evaluated<'_> {
             constrained.rows.add_squares(&self.system.model, &self.system.motion, squares);
         }
     }
+}
 
-    /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
-    /// what follows.
+impl Factorized<'_> {
+    /// Marks the rows whose clearance is not above a limit, and takes their multipliers as zero for what follows.
     pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
         if let Some(constrained) = &mut self.system.constraints {
             constrained.rows.drop_weak(limit, weak);
         }
+    }
+
+    /// [`Factorized::answer_impulse`], and the work of drives in the impulse (J): theirs times their speed.
+    pub fn answer_impulse_with_work(&mut self, impulse: &[f64], change: &mut [f64]) -> f64 {
+        self.answer_impulse(impulse, change);
+        let constrained = self.system.constraints.as_ref();
+        constrained.map_or(0.0, |constrained| constrained.rows.power(&self.system.model, change))
     }
 }

@@ -337,8 +337,8 @@ impl Instant<'_> {
         }
         let State { position, velocity } = &*self.state;
         let mut at = self.motion.system.at(self.time, position, velocity);
-        at.accelerations(&mut vec![0.0; n])?.answer_impulse(&impulse, &mut change);
-        self.outcome.work += self.motion.system.impulse_work(&change);
+        let mut mass = at.accelerations(&mut vec![0.0; n])?;
+        self.outcome.work += mass.answer_impulse_with_work(&impulse, &mut change);
         self.state.velocity.iter_mut().zip(&change).for_each(|(v, change)| *v += change);
         for (row, push) in rows.iter().zip(impulses) {
             self.outcome.lost -= 0.5 * push * (self.rate(*row, &self.state.velocity) + before[*row]);
