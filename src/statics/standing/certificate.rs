@@ -26,11 +26,9 @@ pub(super) fn certificate(
     let built = Model::build(&loaded).map_err(|problems| Unanswered::Open(in_one_line(&problems)))?;
     let built = assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose);
     // What sticks holds its coordinate, as a lock does.
-    let mut held = Arc::unwrap_or_clone(built);
     let sticking = standing.friction.iter().flat_map(|one| one.velocity..one.velocity + one.force.len());
     let sticking: Vec<usize> = sticking.chain(standing.stop_forces.iter().map(|(velocity, _)| *velocity)).collect();
-    sticking.iter().for_each(|velocity| held.coordinates[*velocity].lock = true);
-    let held = Arc::new(held);
+    let held = built.locking(sticking.iter().copied());
     let mut found = examine(&held, settings, pose, "standing", Vec::new())?;
     found.holding.retain(|(name, _)| !sticking.iter().any(|velocity| model.label(*velocity) == *name));
     let stands = standing.verdict == Verdict::Stands;

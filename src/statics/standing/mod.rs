@@ -123,12 +123,10 @@ fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Re
     if model.beams.is_empty() {
         return Ok(pose.clone());
     }
-    let mut held = Model::clone(model);
-    let swings = |link: &Link| held.beams.iter().any(|beam| beam.is_cable && beam.root == link.body);
-    let hinges = held.links.iter().filter(|link| !link.joint.is_flex() && !swings(link));
-    let hinges: Vec<usize> = hinges.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1).collect();
-    hinges.into_iter().for_each(|velocity| held.coordinates[velocity].lock = true);
-    let held = Arc::new(held);
+    let swings = |link: &Link| model.beams.iter().any(|beam| beam.is_cable && beam.root == link.body);
+    let hinges = model.links.iter().filter(|link| !link.joint.is_flex() && !swings(link));
+    let hinges = hinges.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1);
+    let held = Arc::clone(model).locking(hinges);
     if model.contacts.is_empty() {
         let observers = Observers { go_on: Some(go_on), ..Observers::default() };
         return Ok(equilibrium_observed(&held, settings, pose, observers)?.position);
