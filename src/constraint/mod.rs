@@ -16,6 +16,17 @@
 //! redundant rows look independent. The others are left out until the mechanism's rank really changes.
 //!
 //! A row costs its way to the root and its neighbours: loops in a long chain cost a time proportional to their number.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `rows`, `row` | the rows of a model; of one its gap, how fast that opens, and the load of its multiplier |
+//! | `selection` | which rows act beside those of the model, and which of these do not |
+//! | `rank`, `choose` | which rows are linearly independent, by a factorization of their products with pivoting |
+//! | [`assembly`], `close` | (3) and (4): positions and velocities brought onto the rows |
+//! | `plan`, `component`, `envelope` | (2): the sparse structure of `A`, its components and its factors |
+//! | `hold` | rows of what rests, which come and go in a run |
+//! | `loads` | what rows push, and how redundant ones share it |
+//! | `entries`, `listed`, `sizes` | rows as sparse rows, rows apart from the tree, the sizes of their terms |
 
 pub mod assembly;
 mod choose;

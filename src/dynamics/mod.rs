@@ -1,5 +1,17 @@
 //! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
 //! [`applied`] forces and `transfer` meet.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `evaluated` | what follows from one place: accelerations, residuals, energies, each by the borrow that proves it |
+//! | [`applied`] | everything that pushes in a scene, its variation and its powers |
+//! | `constrained` | loops, drives and gears: multipliers with the accelerations, states kept closed |
+//! | `reactions`, `beams` | what hinges pass on, and what beams bear |
+//! | `tangent` | what the tangent sweep needs of a system with its forces; `reach` says by which matrices it is solved, `border` and `sparse` are those for elements between distant bodies |
+//! | `jacobian`, `linearize`, `dense` | derivatives of accelerations, dense matrices of mass, damping and stiffness, and their factors |
+//! | `magnitudes` | how large the terms of a balance are, and their round-off |
+//! | `boundaries` | where laws are not smooth |
+//! | [`ensemble`] | systems of one structure side by side |
 
 pub mod applied;
 mod beams;

@@ -16,6 +16,16 @@
 //! **The direction of slip** turns at a rate that grows without bound as the slip gets slower: `|u| φ̇ = a_⊥`, with `a_⊥` what accelerates
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
 //! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `rows` | (1): accelerations with the rows of closed contacts, and states kept on them |
+//! | `decide` | an instant: impacts, what touches afterwards, and the state of each contact |
+//! | `impact` | what approaching bodies do to their velocities |
+//! | `watch` | (2): the numbers whose change of sign is an event |
+//! | `spring` | compliant contacts |
+//! | `capture` | steps that capture all events of an instant |
+//! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
 mod blocks;
 mod capture;

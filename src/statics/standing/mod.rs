@@ -10,6 +10,16 @@
 //!
 //! `f` is what the balance of the hinges lacks at rest. The size of the loads is that of the largest part of `f`, moments by
 //! the scene's length. What stands is the pose, bit for bit.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `answer` | what is said of a pose |
+//! | `closed` | which contacts are closed in it |
+//! | `supports` | (1): what bears in it, and the load |
+//! | `margins` | how far numbers of the scene may go, and how far it may be tilted |
+//! | `mechanism`, `rolling` | how it gives way, and the motions that contacts leave free without sliding |
+//! | `certificate`, `pushed` | its certificate, and contacts as loads |
+//! | `settle` | from a guess that does not stand to a pose that does |
 
 pub(super) mod answer;
 mod certificate;
