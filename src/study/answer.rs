@@ -182,10 +182,14 @@ impl<'a> Listing<'a, '_> {
         let unknown = scenario.unknown.iter().map(|one| ("inputs", one, inputs));
         for (list, parameter, ranges) in asked.chain(unknown) {
             let range = ranges.iter().find(|one| one.name == parameter.address).map(|one| one.range);
-            for (end, side) in ["low", "high"].into_iter().enumerate() {
+            for side in Side::ALL {
                 // Nothing limits it: as in JSON, no number.
-                let number = range.map(|range| range[end]).filter(|number| number.is_finite());
-                self.number(parameter.quantity.unit(), &|| format!("{list}.{}.{side}", parameter.address), number);
+                let number = range.map(|range| side.of(range)).filter(|number| number.is_finite());
+                self.number(
+                    parameter.quantity.unit(),
+                    &|| format!("{list}.{}.{}", parameter.address, side.name()),
+                    number,
+                );
             }
         }
         if scenario.margin.tilt {
