@@ -158,13 +158,6 @@ impl System {
         }
     }
 
-    /// Adds the multipliers of the last accelerations, one per row of [`Evaluated::constraint_matrix`], times a weight.
-    pub fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
-        if let Some(constrained) = &self.constraints {
-            constrained.rows.add_multipliers(weight, sum);
-        }
-    }
-
     /// What holds a coordinate or a ball given to [`Evaluated::hold`], by its first velocity coordinate, at the last accelerations
     /// (N or N m); empty if it has no row.
     pub fn held_force(&self, velocity: usize) -> &[f64] {
@@ -409,6 +402,13 @@ impl Evaluated<'_> {
 }
 
 impl Factorized<'_> {
+    /// Adds the multipliers, one per row of [`Evaluated::constraint_matrix`], times a weight.
+    pub fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
+        if let Some(constrained) = &self.system.constraints {
+            constrained.rows.add_multipliers(weight, sum);
+        }
+    }
+
     /// Marks the rows whose clearance is not above a limit, and takes their multipliers as zero for what follows.
     pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
         if let Some(constrained) = &mut self.system.constraints {

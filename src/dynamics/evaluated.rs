@@ -8,6 +8,7 @@ use super::applied;
 use super::{Energies, Fault, Powers, System};
 use crate::constraint::{LoopReaction, Rate};
 use crate::force::{Act, Force};
+use crate::model::motor::Push;
 use crate::motion::Motion;
 use crate::spatial::link::LinkAcceleration;
 use crate::spatial::{Pose, Wrench};
@@ -207,6 +208,11 @@ impl Balanced<'_> {
     /// Accelerations of the links' root markers, for the hinge accelerations of the balance.
     pub fn link_accelerations(&self) -> &[LinkAcceleration] {
         &self.system.balance.accelerations
+    }
+
+    /// What motors and curves push with, in the order of [`Model::pushed`](crate::model::Model::pushed).
+    pub fn pushes(&self) -> &[Push] {
+        &self.system.pushes
     }
 
     /// The force elements, as a run keeps them.

@@ -281,11 +281,6 @@ impl System {
         self.at(time, q, v)
     }
 
-    /// What motors and curves push with in the last balance, in the order of [`Model::pushed`].
-    pub fn pushes(&self) -> &[Push] {
-        &self.pushes
-    }
-
     /// What motors of type `input` are asked to push with from now on, in the order of [`Model::inputs`] (N or N m); each pushes
     /// within its limit. At first what the scene gives them.
     pub fn inputs(&mut self) -> &mut [f64] {
