@@ -37,7 +37,7 @@
 //! let stability = rest.stability.as_ref().ok_or("no equilibrium")?;
 //! let omega = (1.5 * 9.80665_f64).sqrt();
 //! assert!(rest.converged && rest.position[0].abs() < 1e-12);
-//! assert_eq!(stability.verdict, statics::Verdict::Stable);
+//! assert_eq!(stability.verdict, statics::StabilityVerdict::Stable);
 //! assert!((stability.modes[0].frequency_hz - omega / std::f64::consts::TAU).abs() < 1e-9);
 //!
 //! // What the hinge bears there: the weight.

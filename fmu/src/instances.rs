@@ -47,7 +47,7 @@ impl Log {
 }
 
 /// An instance with its states.
-pub(crate) struct Held {
+pub(crate) struct InstanceWithStates {
     pub(crate) instance: Instance,
     /// By handle.
     pub(crate) states: BTreeMap<usize, Situation>,
@@ -56,7 +56,7 @@ pub(crate) struct Held {
 }
 
 struct Slot {
-    held: Mutex<Held>,
+    held: Mutex<InstanceWithStates>,
     log: Log,
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn make(function: &str, log: Log, make: impl FnOnce() -> Result<Insta
             return std::ptr::null_mut();
         }
     };
-    let held = Mutex::new(Held { instance, states: BTreeMap::new(), broken: false });
+    let held = Mutex::new(InstanceWithStates { instance, states: BTreeMap::new(), broken: false });
     let number = fresh();
     slots().insert(number, Arc::new(Slot { held, log }));
     handle(number)
@@ -107,7 +107,7 @@ pub(crate) fn free(instance: Handle) {
 pub(crate) fn call<T>(
     function: &str,
     instance: Handle,
-    work: impl FnOnce(&mut Held, &Log) -> Result<T, FmuError>,
+    work: impl FnOnce(&mut InstanceWithStates, &Log) -> Result<T, FmuError>,
 ) -> Result<T, Code> {
     let Some(slot) = slots().get(&instance.addr()).cloned() else { return Err(Status::Error as Code) };
     let answer = match slot.held.try_lock() {

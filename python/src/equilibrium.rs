@@ -19,7 +19,7 @@ use stillpoint::statics;
 #[pyclass(frozen, module = "stillpoint")]
 pub(crate) struct Equilibrium {
     scene: Py<Scene>,
-    held: statics::Held,
+    held: statics::InverseAnswer,
     wall: Duration,
     json: OnceLock<String>,
 }
@@ -43,7 +43,7 @@ impl Mode {
 }
 
 impl Equilibrium {
-    pub(crate) fn new(scene: Py<Scene>, held: statics::Held, wall: Duration) -> Self {
+    pub(crate) fn new(scene: Py<Scene>, held: statics::InverseAnswer, wall: Duration) -> Self {
         Self { scene, held, wall, json: OnceLock::new() }
     }
 
@@ -220,7 +220,7 @@ impl Equilibrium {
         }
         let (asked, numbers) = ([output.to_owned()], addresses.map(|_| numbers));
         let interrupt = Interrupt::new();
-        let (watched, statics::Held { description, model, found }) = (&interrupt, held);
+        let (watched, statics::InverseAnswer { description, model, found }) = (&interrupt, held);
         let table =
             py.detach(move || statics::sensitivities(description, model, found, &asked, numbers, &|| watched.go_on()));
         interrupt.check()?;

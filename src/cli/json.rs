@@ -166,10 +166,10 @@ fn told_of_beams(beams: Result<Vec<BeamState>, Fault>) -> (Value, Option<String>
     }
 }
 
-fn bearing(stop: &crate::statics::Bearing) -> Value {
+fn bearing(stop: &crate::statics::BearingStop) -> Value {
     json!({
         "hinge": bare(&stop.hinge),
-        "side": if stop.low { "low" } else { "high" },
+        "side": stop.side.name(),
         "limit": stop.limit,
         "load": stop.load,
         "depth": stop.depth,
@@ -196,7 +196,7 @@ fn stage(stage: &crate::statics::Stage) -> Value {
     })
 }
 
-fn mode(mode: &crate::statics::Mode) -> Value {
+fn mode(mode: &crate::statics::NaturalMode) -> Value {
     json!({
         "frequency_hz": mode.frequency_hz,
         "growth_rate": mode.growth_rate,

@@ -142,9 +142,8 @@ fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
     let mut held: Vec<usize> = (0..model.velocity_count()).filter(|at| model.coordinates[*at].lock).collect();
     let mut pressed = Vec::new();
     for bearing in &found.stops {
-        let side = usize::from(!bearing.low);
         let is_it = |stop: &&crate::model::Stop| {
-            model.label(stop.velocity) == bearing.hinge && stop.range[side] == bearing.limit
+            model.label(stop.velocity) == bearing.hinge && stop.limit(bearing.side) == bearing.limit
         };
         let Some(index) = model.stops.iter().position(|stop| is_it(&stop)) else { continue };
         match model.stops[index].law {

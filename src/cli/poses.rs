@@ -8,7 +8,7 @@ use crate::record::view::Sink;
 use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene, Tubes, mode_name};
 use crate::scenario::Scenario;
 use crate::simulate;
-use crate::statics::{Equilibrium, Mode};
+use crate::statics::{Equilibrium, NaturalMode};
 use anyhow::Context;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -114,7 +114,7 @@ pub(super) fn modes(
 }
 
 /// The modes that are shown.
-fn shown(found: &Equilibrium) -> &[Mode] {
+fn shown(found: &Equilibrium) -> &[NaturalMode] {
     let modes = found.stability.as_ref().map_or(&[][..], |stability| &stability.modes);
     &modes[..modes.len().min(MOST_MODES)]
 }
@@ -158,7 +158,7 @@ fn units(model: &Model) -> Vec<f64> {
 }
 
 /// A mode as it swings about the equilibrium, from time zero.
-fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
+fn swing(model: &Model, found: &Equilibrium, mode: &NaturalMode) -> Vec<Frame> {
     let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
     let unit = units(model);
     let largest = free.iter().zip(&mode.shape).map(|(i, x)| (x / unit[*i]).abs()).fold(0.0, f64::max);
@@ -180,7 +180,7 @@ pub(super) fn mode_clips(model: &Arc<Model>, found: &Equilibrium) -> Vec<Clip> {
     let mut system = System::new(model);
     let rest = vec![0.0; model.velocity_count()];
     let tubes = Tubes::new(&simulate::scene(model));
-    let mut clip = |(index, mode): (usize, &Mode)| {
+    let mut clip = |(index, mode): (usize, &NaturalMode)| {
         let mut clip = Clip { name: mode_name(index, mode.frequency_hz, mode.growth_rate), ..Clip::default() };
         for (time, q) in swing(model, found, mode) {
             let mut poses = Vec::new();

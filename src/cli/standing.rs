@@ -4,7 +4,7 @@ use super::number::{count, number};
 use super::output::{bare, verdict};
 use crate::contact::support::Verdict;
 use crate::model::Model;
-use crate::statics::standing::{Giving, Interval, Mechanism, Standing};
+use crate::statics::standing::{Giving, Interval, Mechanism, StandingReport};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ fn mode(force: &Vector3<f64>, share: f64) -> &'static str {
 }
 
 /// The key `standing`.
-pub(super) fn json(model: &Model, standing: &Standing) -> Value {
+pub(super) fn json(model: &Model, standing: &StandingReport) -> Value {
     let of_contact = |one: &crate::statics::standing::ContactForce| {
         json!({
             "between": one.contact.bodies.map(|body| &model.bodies[body].name),
@@ -63,7 +63,7 @@ pub(super) fn json(model: &Model, standing: &Standing) -> Value {
 }
 
 /// The key `inputs`: ranges of unknown inputs.
-pub(super) fn inputs(standing: &Standing) -> Value {
+pub(super) fn inputs(standing: &StandingReport) -> Value {
     let range = |one: &Interval| (one.name.clone(), json!(one.range.map(finite)));
     Value::Object(standing.margins.inputs.iter().map(range).collect())
 }
@@ -96,7 +96,7 @@ fn mechanism(mechanism: &Mechanism) -> Value {
 }
 
 /// The lines of a report.
-pub(super) fn text(model: &Model, standing: &Standing) -> String {
+pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
     let mut out = String::new();
     let bears = standing.contacts.iter().filter(|one| one.force.norm() > 0.0).count();
     let on = match (standing.contacts.is_empty(), standing.friction.len()) {

@@ -7,7 +7,7 @@ use super::output::{bold, verdict};
 use crate::constraint::Assembly;
 use crate::contact::support;
 use crate::model::{Body, Model, Output};
-use crate::statics::{DampedMode, Equilibrium, Mode, Stability, Verdict};
+use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
 pub(super) use ended::{run, verified};
 use std::fmt::Write;
 use std::time::Duration;
@@ -68,7 +68,7 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
             (format!("aim missed, {} equilibrium", stability.verdict.name()), false)
         }
         (Some(stability), true) => {
-            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != Verdict::Unstable)
+            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != StabilityVerdict::Unstable)
         }
         _ if found.stage == "given" => ("the pose does not stand".to_owned(), false),
         _ => ("no equilibrium found".to_owned(), false),
@@ -177,9 +177,9 @@ fn modes(out: &mut String, stability: &Stability) {
         let _ = writeln!(out, "  neutral      {motions} of zero stiffness");
     }
     // Of zero-stiffness motions a few will do: their number is above.
-    let idle = |mode: &Mode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
+    let idle = |mode: &NaturalMode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
     let mut seen = 0;
-    let told: Vec<&Mode> = (stability.modes.iter())
+    let told: Vec<&NaturalMode> = (stability.modes.iter())
         .filter(|mode| {
             seen += usize::from(idle(mode));
             !idle(mode) || seen <= MOST_IDLE
@@ -187,7 +187,7 @@ fn modes(out: &mut String, stability: &Stability) {
         .take(MOST_LINES)
         .collect();
     let mut hertz = aligned(told.iter().filter(|mode| is_oscillation(mode)).map(|mode| mode.frequency_hz)).into_iter();
-    let what = |mode: &&Mode| match mode.growth_rate > 0.0 {
+    let what = |mode: &&NaturalMode| match mode.growth_rate > 0.0 {
         true => format!("grows {} per second", number(mode.growth_rate)),
         false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
         false => format!("{} Hz", hertz.next().unwrap_or_default()),
@@ -200,7 +200,7 @@ fn modes(out: &mut String, stability: &Stability) {
     left_out(out, stability.modes.len() - told.len());
 }
 
-fn is_oscillation(mode: &Mode) -> bool {
+fn is_oscillation(mode: &NaturalMode) -> bool {
     mode.growth_rate <= 0.0 && mode.frequency_hz > 0.0
 }
 
@@ -268,7 +268,7 @@ fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
         let _ = writeln!(out, "  locked       {name} holds {}", borne(model, name, of(*force)));
     }
     for stop in &found.stops {
-        let side = if stop.low { "low" } else { "high" };
+        let side = stop.side.name();
         let load = borne(model, &stop.hinge, of(stop.load));
         let depth = if stop.depth > 0.0 { format!(", {} deep", number(stop.depth)) } else { String::new() };
         let _ = writeln!(

@@ -104,7 +104,7 @@ fn refuse_pipe(scenario: &Path) -> anyhow::Result<()> {
 
 /// The verdict, and what differs from the time before.
 fn tell(now: &Material, before: Option<&Material>) -> anyhow::Result<()> {
-    let words::Verdict { text, fine } = words::verdict(now);
+    let words::Headline { text, fine } = words::verdict(now);
     output::print(&output::verdict(&text, fine))?;
     let Some(before) = before else { return frequencies(now) };
     let changes = [poses(now, before), modes(now, before)];

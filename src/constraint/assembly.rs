@@ -4,7 +4,7 @@ use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
 use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, second_frame};
-use super::{Constraints, Element, Mode};
+use super::{Constraints, Element, RowSelection};
 use crate::model::Model;
 use crate::model::couplings::Closure;
 use crate::model::problem::{Element as Place, Problem, number};
@@ -55,8 +55,8 @@ fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     freeze_frames(model);
     let mut notes = Vec::new();
     let (given_gap, gap) = close_positions(model, &mut notes)?;
-    let ranking = decide(model, &Mode::default(), &model.start_position, 0.0);
-    let rows = Constraints::unplanned(model, &Mode::default());
+    let ranking = decide(model, &RowSelection::default(), &model.start_position, 0.0);
+    let rows = Constraints::unplanned(model, &RowSelection::default());
     let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
     problems.extend(overdriven(&rows, &ranking.independent));
     if !problems.is_empty() {
@@ -90,7 +90,7 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let mut q = given.clone();
     let mut near = "the nearest assembly";
     let (given_widest, gap, widest) = {
-        let mut closing = Closing::new(model, &Mode::locks(model), 0.0);
+        let mut closing = Closing::new(model, &RowSelection::locks(model), 0.0);
         let relative = closing.gap(model, &q);
         let given_widest = closing.widest();
         let given_gap = given_widest.gap;
@@ -147,7 +147,7 @@ const GIVEN: f64 = 1e-6;
 fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Vec<Problem>> {
     let q = model.start_position.clone();
     let given = model.start_velocity.clone();
-    let mut closing = Closing::new(model, &Mode::default(), 0.0);
+    let mut closing = Closing::new(model, &RowSelection::default(), 0.0);
     if let Some(independent) = &model.independent_rows {
         closing.rows.keep(|row| independent[row]);
     }
@@ -274,7 +274,7 @@ fn place_of(owner: Owner) -> Place {
 }
 
 fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
-    let rows = Constraints::unplanned(model, &Mode::default());
+    let rows = Constraints::unplanned(model, &RowSelection::default());
     let owner = rows.elements.iter().find(|e| e.name == widest.element).map_or(Owner::Held(0), |e| e.owner);
     let locked: Vec<&str> = model.bodies.iter().filter(|body| body.hinge.lock).map(|body| body.name.as_str()).collect();
     let driven: Vec<&str> = model.drives.iter().map(|drive| drive.name.as_str()).collect();
@@ -300,7 +300,7 @@ fn listed(list: &[&str], quote: &str) -> String {
 fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     let mut motion = Motion::new(model);
     motion.update(model, q, &vec![0.0; model.velocity_count()]);
-    let rows = Constraints::unplanned(model, &Mode::default());
+    let rows = Constraints::unplanned(model, &RowSelection::default());
     rows.elements.iter().find(|element| is_turned_over(element, model, &motion)).map(|element| Problem {
         element: place_of(element.owner),
         field: "between".to_owned(),

@@ -14,7 +14,7 @@
 
 use super::component::between_ends;
 use super::rows::Owner;
-use super::{Constraints, Mode, Rate};
+use super::{Constraints, Rate, RowSelection};
 use crate::model::Model;
 use crate::model::problem::number;
 use crate::motion::{Motion, displace};
@@ -61,7 +61,7 @@ pub(crate) struct Closer(Closing);
 
 impl Closer {
     pub(crate) fn new(model: &Model) -> Self {
-        Self(Closing::new(model, &Mode::locks(model), 0.0))
+        Self(Closing::new(model, &RowSelection::locks(model), 0.0))
     }
 
     /// Closes `q`; false if a gap is left, or the tree is singular.
@@ -114,9 +114,9 @@ pub(super) struct Closing {
 }
 
 impl Closing {
-    pub(super) fn new(model: &Model, mode: &Mode, time: f64) -> Self {
+    pub(super) fn new(model: &Model, selection: &RowSelection, time: f64) -> Self {
         let n = model.velocity_count();
-        let mut rows = Constraints::every_row(model, mode);
+        let mut rows = Constraints::every_row(model, selection);
         rows.set_time(time);
         let length = model.length_scale();
         let mut units = vec![1.0; n];

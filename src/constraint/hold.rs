@@ -1,8 +1,8 @@
 //! What rests on a stop or by dry friction: rows that come and go while a scene moves, beside those of its loops, drives and gears.
 
-use super::mode::Held;
 use super::row::Placed;
 use super::rows;
+use super::selection::HeldRow;
 use super::{Constraints, Owner};
 use crate::model::Model;
 use crate::motion::Motion;
@@ -13,7 +13,7 @@ impl Constraints {
     /// them have it.
     ///
     /// The motion is at `q`.
-    pub(crate) fn hold(&mut self, model: &Model, motion: &Motion, q: &[f64], held: &[Held]) -> Vec<bool> {
+    pub(crate) fn hold(&mut self, model: &Model, motion: &Motion, q: &[f64], held: &[HeldRow]) -> Vec<bool> {
         let (elements, rows) = (self.own, self.independent.len());
         self.elements.truncate(elements);
         self.ways.truncate(elements);
@@ -43,7 +43,7 @@ impl Constraints {
         let counts: Vec<bool> = self.elements[elements..].iter().map(element_counts).collect();
         if counts.contains(&false) {
             // Without a row nothing asks whether they are where they are held.
-            let counted: Vec<Held> =
+            let counted: Vec<HeldRow> =
                 held.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(held, _)| *held).collect();
             self.hold(model, motion, q, &counted);
         } else if independent[rows..].contains(&false) {

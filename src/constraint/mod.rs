@@ -16,6 +16,17 @@
 //! redundant rows look independent. The others are left out until the mechanism's rank really changes.
 //!
 //! A row costs its way to the root and its neighbours: loops in a long chain cost a time proportional to their number.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `rows`, `row` | the rows of a model; of one its gap, how fast that opens, and the load of its multiplier |
+//! | `selection` | which rows act beside those of the model, and which of these do not |
+//! | `rank`, `choose` | which rows are linearly independent, by a factorization of their products with pivoting |
+//! | [`assembly`], `close` | (3) and (4): positions and velocities brought onto the rows |
+//! | `plan`, `component`, `envelope` | (2): the sparse structure of `A`, its components and its factors |
+//! | `hold` | rows of what rests, which come and go in a run |
+//! | `loads` | what rows push, and how redundant ones share it |
+//! | `entries`, `listed`, `sizes` | rows as sparse rows, rows apart from the tree, the sizes of their terms |
 
 pub mod assembly;
 mod choose;
@@ -26,11 +37,11 @@ mod envelope;
 mod hold;
 mod listed;
 mod loads;
-mod mode;
 mod plan;
 mod rank;
 mod row;
 mod rows;
+mod selection;
 mod sizes;
 
 use crate::element::modal::MOST_MODAL_COORDINATES;
@@ -49,12 +60,12 @@ use entries::Entries;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
-pub use mode::{Held, Mode};
 use nalgebra::Vector3;
 use plan::{Plan, Run};
 pub(crate) use row::Rule;
 use row::{Ends, Placed, place_motion, power};
 pub use rows::{Element, Owner};
+pub use selection::{HeldRow, RowSelection};
 use std::sync::Arc;
 
 /// The rows of a model and the scratch memory to solve with them.
@@ -125,16 +136,16 @@ pub(crate) enum Rate<'a> {
 }
 
 impl Constraints {
-    /// All rows of a model in a mode, none left out.
-    pub(crate) fn every_row(model: &Model, mode: &Mode) -> Self {
-        let mut all = Self::unplanned(model, mode);
+    /// All rows of a selection, none left out.
+    pub(crate) fn every_row(model: &Model, selection: &RowSelection) -> Self {
+        let mut all = Self::unplanned(model, selection);
         all.keep(|_| true);
         all
     }
 
-    /// The rows of a model in a mode before it is said which of them are solved for.
-    fn unplanned(model: &Model, mode: &Mode) -> Self {
-        let (elements, rules, given) = rows::of_model(model, mode);
+    /// The rows of a selection before it is said which of them are solved for.
+    fn unplanned(model: &Model, selection: &RowSelection) -> Self {
+        let (elements, rules, given) = rows::of_model(model, selection);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
         let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
         let lengths = component::lengths(model, &elements, &rules, &given);
@@ -179,24 +190,24 @@ impl Constraints {
         }
         let independent = match &model.independent_rows {
             Some(rows) => rows.clone(),
-            None => rank::decide(model, &Mode::default(), &model.start_position, 0.0).independent,
+            None => rank::decide(model, &RowSelection::default(), &model.start_position, 0.0).independent,
         };
-        Some(Self::of_independent(model, &Mode::default(), independent))
+        Some(Self::of_independent(model, &RowSelection::default(), independent))
     }
 
-    /// The rows of a model in a mode; `None` if it has none there. Which of them are independent is decided at a position and a
+    /// The rows of a selection; `None` if it has none there. Which of them are independent is decided at a position and a
     /// time.
-    pub fn in_mode(model: &Model, mode: &Mode, time: f64, q: &[f64]) -> Option<Self> {
-        let is_empty = mode.held.is_empty() && mode.released.len() == model.drives.len();
+    pub fn selected(model: &Model, selection: &RowSelection, time: f64, q: &[f64]) -> Option<Self> {
+        let is_empty = selection.held.is_empty() && selection.released.len() == model.drives.len();
         if is_empty && model.loops.is_empty() && model.gears.is_empty() {
             return None;
         }
-        let independent = rank::decide(model, mode, q, time).independent;
-        Some(Self::of_independent(model, mode, independent))
+        let independent = rank::decide(model, selection, q, time).independent;
+        Some(Self::of_independent(model, selection, independent))
     }
 
-    fn of_independent(model: &Model, mode: &Mode, independent: Vec<bool>) -> Self {
-        let mut rows = Self::unplanned(model, mode);
+    fn of_independent(model: &Model, selection: &RowSelection, independent: Vec<bool>) -> Self {
+        let mut rows = Self::unplanned(model, selection);
         rows.keep(|row| independent[row]);
         rows.independent = independent;
         rows

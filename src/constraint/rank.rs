@@ -13,7 +13,7 @@ use super::close::{Closing, Metric};
 use super::component::{between_ends, components, lengths, levers, members};
 use super::row::Rule;
 use super::rows::Owner;
-use super::{Constraints, Mode};
+use super::{Constraints, RowSelection};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::sparse::SparseRows;
@@ -34,9 +34,9 @@ pub(super) struct Ranking {
     pub(super) singular: bool,
 }
 
-/// Decides in a mode at a closed position, at the time of the drives.
-pub(super) fn decide(model: &Model, mode: &Mode, q: &[f64], time: f64) -> Ranking {
-    let mut closing = Closing::new(model, mode, time);
+/// Decides for a selection at a closed position, at the time of the drives.
+pub(super) fn decide(model: &Model, selection: &RowSelection, q: &[f64], time: f64) -> Ranking {
+    let mut closing = Closing::new(model, selection, time);
     closing.gap(model, q);
     let mut independent = closing.rows.independent_now(model, &closing.motion);
     let components = members(&components(model, &closing.rows.elements));

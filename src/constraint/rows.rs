@@ -1,7 +1,7 @@
 //! The rows of a model's loops, drives, gears and locks.
 
-use super::mode::{Held, Mode};
 use super::row::Rule;
+use super::selection::{HeldRow, RowSelection};
 use crate::hinge::Condition;
 use crate::model::couplings::Closure;
 use crate::model::prescribed::Instant;
@@ -82,12 +82,12 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
     way
 }
 
-/// Elements and rows of a model in a mode; and the positions as given.
-pub(super) fn of_model(model: &Model, mode: &Mode) -> (Vec<Element>, Vec<Rule>, Motion) {
+/// Elements and rows of a selection; and the positions as given.
+pub(super) fn of_model(model: &Model, selection: &RowSelection) -> (Vec<Element>, Vec<Rule>, Motion) {
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
-    if !model.loops.is_empty() || !mode.held.is_empty() {
+    if !model.loops.is_empty() || !selection.held.is_empty() {
         given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
     }
     let nothing = Instant::default();
@@ -104,7 +104,7 @@ pub(super) fn of_model(model: &Model, mode: &Mode) -> (Vec<Element>, Vec<Rule>, 
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
         of_motion((owner, name), parts, held, &mut elements, &mut rules);
     };
-    for (index, drive) in model.drives.iter().enumerate().filter(|(index, _)| !mode.released.contains(index)) {
+    for (index, drive) in model.drives.iter().enumerate().filter(|(index, _)| !selection.released.contains(index)) {
         let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];
         motion(Owner::Drive(index), format!("drive `{}`", drive.name), parts, nothing);
     }
@@ -112,7 +112,7 @@ pub(super) fn of_model(model: &Model, mode: &Mode) -> (Vec<Element>, Vec<Rule>, 
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    hold(model, &mode.held, &given, &mut elements, &mut rules);
+    hold(model, &selection.held, &given, &mut elements, &mut rules);
     (elements, rules, given)
 }
 
@@ -131,14 +131,20 @@ fn of_motion(
 }
 
 /// Adds a row for each coordinate that is held, and three for each ball, which is held as it stands at `given`.
-pub(super) fn hold(model: &Model, held: &[Held], given: &Motion, elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+pub(super) fn hold(
+    model: &Model,
+    held: &[HeldRow],
+    given: &Motion,
+    elements: &mut Vec<Element>,
+    rules: &mut Vec<Rule>,
+) {
     for held in held {
         match held {
-            Held::Coordinate { coordinate, at } => {
+            HeldRow::Coordinate { coordinate, at } => {
                 let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
                 of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
             }
-            Held::Ball(link) => of_ball(model, *link, given, elements, rules),
+            HeldRow::Ball(link) => of_ball(model, *link, given, elements, rules),
         }
     }
 }

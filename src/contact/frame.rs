@@ -10,7 +10,7 @@ use super::cone;
 use super::geometry::feature::Meeting;
 use super::geometry::tangents;
 use super::pairs::{Key, Pairs};
-use crate::dynamics::System;
+use crate::dynamics::Factorized;
 use crate::model::Model;
 use crate::motion::{Motion, project};
 use crate::spatial::Wrench;
@@ -129,30 +129,22 @@ impl Frame {
     }
 }
 
-/// How hinge velocities or accelerations answer to a generalized force, at the last factorization.
-pub(crate) fn respond(system: &mut System, q: &[f64], v: &[f64], impulse: &[f64], change: &mut [f64]) {
-    let mut factorized = system.factorized(q, v);
-    factorized.answer_impulse(impulse, change);
-}
-
 /// `X` of (2) for all three rows of every contact.
-pub(crate) fn responses(system: &mut System, q: &[f64], v: &[f64], frames: &[Frame]) -> Vec<[Vec<f64>; 3]> {
-    responses_to(system, q, v, frames.iter().map(|frame| &frame.columns))
+pub(crate) fn responses(mass: &mut Factorized<'_>, frames: &[Frame]) -> Vec<[Vec<f64>; 3]> {
+    responses_to(mass, frames.iter().map(|frame| &frame.columns))
 }
 
 /// `X` of (2) for three rows each.
 pub(crate) fn responses_to<'a>(
-    system: &mut System,
-    q: &[f64],
-    v: &[f64],
+    mass: &mut Factorized<'_>,
     columns: impl Iterator<Item = &'a [Column; 3]>,
 ) -> Vec<[Vec<f64>; 3]> {
-    let n = v.len();
+    let n = mass.system().model().velocity_count();
     let mut impulse = vec![0.0; n];
     let mut answer = |column: &Column| {
         column.iter().for_each(|(i, c)| impulse[*i] = *c);
         let mut change = vec![0.0; n];
-        respond(system, q, v, &impulse, &mut change);
+        mass.answer_impulse(&impulse, &mut change);
         column.iter().for_each(|(i, _)| impulse[*i] = 0.0);
         change
     };

@@ -3,7 +3,7 @@
 use super::cone::Law;
 use super::frame::{Column, along};
 use super::pairs::Key;
-use crate::model::Model;
+use crate::model::{Model, Side, StopSide};
 use nalgebra::Vector3;
 
 /// What bears.
@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 pub(crate) enum Id {
     /// Two features of two shapes.
     Contact(Key),
-    /// Index of a rigid stop, and the sign of the motion that leaves it.
-    Stop(usize, f64),
+    /// A rigid stop.
+    Stop(StopSide),
     /// Index of the dry friction of a hinge.
     Friction(usize),
 }
@@ -59,10 +59,12 @@ pub(crate) fn supports(model: &Model, q: &[f64], v: &[f64], still: f64) -> Vec<S
             continue;
         }
         let at = q[stop.position];
-        for (gap, sign) in [(at - stop.range[0], 1.0), (stop.range[1] - at, -1.0)] {
+        for side in Side::ALL {
+            let gap = side.of([at - stop.range[0], stop.range[1] - at]);
             if gap.is_finite() {
+                let id = Id::Stop(StopSide { stop: index, at: side });
                 let law = Law::Coulomb { stick: 0.0, slide: 0.0 };
-                all.push(Support::of_hinge(Id::Stop(index, sign), stop.velocity, &[sign], gap, law));
+                all.push(Support::of_hinge(id, stop.velocity, &[-side.sign()], gap, law));
             }
         }
     }

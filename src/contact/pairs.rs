@@ -1,6 +1,6 @@
 //! Which shapes of a model may touch, and how they stand to each other in a place.
 
-use super::geometry::feature::{Boundary, Feature, Meeting, Near, Standing};
+use super::geometry::feature::{Boundary, Feature, Meeting, Near, PlacedBoundary};
 use super::geometry::meet::{meeting, pairs};
 use super::geometry::{Core, Placed, Solid, touch};
 use crate::model::shape::{Geometry, Hull, Shape};
@@ -216,7 +216,7 @@ impl Pairs {
         normal.dot(&(self.middle(piece) - self.middle(plane)))
     }
 
-    fn standing(&self, piece: usize) -> Standing<'_> {
+    fn standing(&self, piece: usize) -> PlacedBoundary<'_> {
         self.pieces[piece].boundary.standing(&self.poses[piece])
     }
 

@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
-use super::{Evaluated, Fault, System};
-use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
+use super::{Evaluated, Factorized, Fault, System};
+use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate, RowSelection};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
@@ -22,8 +22,8 @@ const OPEN: f64 = 1e-9;
 pub(super) struct Constrained {
     pub(super) rows: Constraints,
     /// Of the model, beside what a run holds.
-    mode: Mode,
-    /// All rows of the mode, none left out, once reactions are shared among linearly dependent rows.
+    selection: RowSelection,
+    /// All rows of the selection, none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
     /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
@@ -56,8 +56,8 @@ impl Settled {
 }
 
 impl Constrained {
-    /// Room for the rows of a model in a mode, with what they leave open at a position.
-    pub(super) fn new(model: &Model, mode: &Mode, mut rows: Constraints, q: &[f64]) -> Box<Self> {
+    /// Room for the rows of a selection, with what they leave open at a position.
+    pub(super) fn new(model: &Model, selection: &RowSelection, mut rows: Constraints, q: &[f64]) -> Box<Self> {
         let mut given = Motion::new(model);
         given.update(model, q, &model.start_velocity);
         rows.place(model, &given, q, true);
@@ -65,7 +65,7 @@ impl Constrained {
         let n = model.velocity_count();
         Box::new(Self {
             rows,
-            mode: mode.clone(),
+            selection: selection.clone(),
             every_row: None,
             left_open: if left_open <= ROUGH { left_open } else { 0.0 },
             loads: vec![Wrench::ZERO; model.links.len()],
@@ -158,23 +158,10 @@ impl System {
         }
     }
 
-    /// Adds the multipliers of the last accelerations, one per row of [`Evaluated::constraint_matrix`], times a weight.
-    pub fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
-        if let Some(constrained) = &self.constraints {
-            constrained.rows.add_multipliers(weight, sum);
-        }
-    }
-
     /// What holds a coordinate or a ball given to [`Evaluated::hold`], by its first velocity coordinate, at the last accelerations
     /// (N or N m); empty if it has no row.
     pub fn held_force(&self, velocity: usize) -> &[f64] {
         self.constraints.as_ref().map_or(&[], |tied| tied.rows.held_force(velocity))
-    }
-
-    /// What drives do in an impulse that changes velocities so, after
-    /// [`Factorized::answer_impulse`](super::Factorized::answer_impulse) (J): their impulse times their speed.
-    pub fn impulse_work(&self, change: &[f64]) -> f64 {
-        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(&self.model, change))
     }
 
     /// Brings a state at a time (s) onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
@@ -334,11 +321,11 @@ impl Evaluated<'_> {
     pub fn share_multipliers(&mut self) -> Result<(), Fault> {
         let Some(constrained) = &mut self.system.constraints else { return Ok(()) };
         constrained.tau.fill(0.0);
-        let Constrained { rows, mode, every_row, tau, .. } = &mut **constrained;
+        let Constrained { rows, selection, every_row, tau, .. } = &mut **constrained;
         if let Err(singular) = self.system.reduction.prepare(&self.system.model, &self.system.motion, tau) {
             return Err(self.system.singular(&singular, self.q, self.v));
         }
-        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, mode)));
+        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, selection)));
         rows.share(all, &self.system.model, &self.system.motion, &self.system.reduction, self.q);
         rows.place(&self.system.model, &self.system.motion, self.q, true);
         Ok(())
@@ -380,7 +367,7 @@ impl Evaluated<'_> {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub fn hold(&mut self, held: &[Held]) -> Result<Vec<bool>, Fault> {
+    pub fn hold(&mut self, held: &[HeldRow]) -> Result<Vec<bool>, Fault> {
         let mut a = std::mem::take(&mut self.system.scratch);
         let evaluated = self.accelerations(&mut a).map(|_| ());
         self.system.scratch = a;
@@ -412,12 +399,27 @@ impl Evaluated<'_> {
             constrained.rows.add_squares(&self.system.model, &self.system.motion, squares);
         }
     }
+}
 
-    /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
-    /// what follows.
+impl Factorized<'_> {
+    /// Adds the multipliers, one per row of [`Evaluated::constraint_matrix`], times a weight.
+    pub fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
+        if let Some(constrained) = &self.system.constraints {
+            constrained.rows.add_multipliers(weight, sum);
+        }
+    }
+
+    /// Marks the rows whose clearance is not above a limit, and takes their multipliers as zero for what follows.
     pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
         if let Some(constrained) = &mut self.system.constraints {
             constrained.rows.drop_weak(limit, weak);
         }
+    }
+
+    /// [`Factorized::answer_impulse`], and the work of drives in the impulse (J): theirs times their speed.
+    pub fn answer_impulse_with_work(&mut self, impulse: &[f64], change: &mut [f64]) -> f64 {
+        self.answer_impulse(impulse, change);
+        let constrained = self.system.constraints.as_ref();
+        constrained.map_or(0.0, |constrained| constrained.rows.power(&self.system.model, change))
     }
 }

@@ -8,9 +8,10 @@ use super::applied;
 use super::{Energies, Fault, Powers, System};
 use crate::constraint::{LoopReaction, Rate};
 use crate::force::{Act, Force};
+use crate::model::motor::Push;
 use crate::motion::Motion;
-use crate::spatial::Pose;
 use crate::spatial::link::LinkAcceleration;
+use crate::spatial::{Pose, Wrench};
 use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::Load;
 
@@ -36,6 +37,17 @@ pub struct Balanced<'a> {
     pub(super) system: &'a System,
     pub(super) q: &'a [f64],
     pub(super) v: &'a [f64],
+}
+
+impl<'a> Evaluated<'a> {
+    /// [`Evaluated::accelerations`] for those who go on with the factorization alone.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    pub(crate) fn into_accelerations(mut self, a: &mut [f64]) -> Result<Factorized<'a>, Fault> {
+        self.accelerations(a)?;
+        Ok(Factorized { system: self.system, q: self.q, v: self.v })
+    }
 }
 
 impl Evaluated<'_> {
@@ -198,6 +210,11 @@ impl Balanced<'_> {
         &self.system.balance.accelerations
     }
 
+    /// What motors and curves push with, in the order of [`Model::pushed`](crate::model::Model::pushed).
+    pub fn pushes(&self) -> &[Push] {
+        &self.system.pushes
+    }
+
     /// The force elements, as a run keeps them.
     pub fn forces(&self) -> &[Force] {
         &self.system.laws.forces
@@ -211,6 +228,21 @@ impl Balanced<'_> {
 }
 
 impl Factorized<'_> {
+    /// The system.
+    pub fn system(&self) -> &System {
+        self.system
+    }
+
+    /// Where every link is and how fast it moves.
+    pub fn motion(&self) -> &Motion {
+        &self.system.motion
+    }
+
+    /// Adds to what contacts push a link with, at its root marker, in evaluations to come.
+    pub(crate) fn press(&mut self, link: usize, wrench: Wrench) {
+        self.system.pressed[link] += wrench;
+    }
+
     /// `x ← M⁻¹ rhs`.
     pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
         let System { model, motion, reduction, .. } = &mut *self.system;

@@ -1,5 +1,17 @@
 //! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
 //! [`applied`] forces and `transfer` meet.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `evaluated` | what follows from one place: accelerations, residuals, energies, each by the borrow that proves it |
+//! | [`applied`] | everything that pushes in a scene, its variation and its powers |
+//! | `constrained` | loops, drives and gears: multipliers with the accelerations, states kept closed |
+//! | `reactions`, `beams` | what hinges pass on, and what beams bear |
+//! | `tangent` | what the tangent sweep needs of a system with its forces; `reach` says by which matrices it is solved, `border` and `sparse` are those for elements between distant bodies |
+//! | `jacobian`, `linearize`, `dense` | derivatives of accelerations, dense matrices of mass, damping and stiffness, and their factors |
+//! | `magnitudes` | how large the terms of a balance are, and their round-off |
+//! | `boundaries` | where laws are not smooth |
+//! | [`ensemble`] | systems of one structure side by side |
 
 pub mod applied;
 mod beams;
@@ -29,7 +41,7 @@ pub use reach::Matrices;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
-pub use crate::constraint::{Held, Mode};
+pub use crate::constraint::{HeldRow, RowSelection};
 use crate::force::Act;
 use crate::model::Model;
 use crate::model::motor::Push;
@@ -206,14 +218,18 @@ impl System {
     /// Scratch memory for a model with its loops, drives and gears.
     pub fn new(model: &Arc<Model>) -> Self {
         let rows = Constraints::new(model);
-        Self::with(model, rows.map(|rows| Constrained::new(model, &Mode::default(), rows, &model.start_position)))
+        Self::with(
+            model,
+            rows.map(|rows| Constrained::new(model, &RowSelection::default(), rows, &model.start_position)),
+        )
     }
 
-    /// Scratch memory for a model in a mode. Which of its rows are independent is decided at a time (s) and a position.
-    pub fn in_mode(model: &Arc<Model>, mode: &Mode, time: f64, q: &[f64]) -> Self {
-        let mut rows = Constraints::in_mode(model, mode, time, q);
+    /// Scratch memory for a model with a selection of its rows. Which of these are independent is decided at a time (s) and a
+    /// position.
+    pub fn with_rows(model: &Arc<Model>, selection: &RowSelection, time: f64, q: &[f64]) -> Self {
+        let mut rows = Constraints::selected(model, selection, time, q);
         rows.iter_mut().for_each(|rows| rows.set_time(time));
-        Self::with(model, rows.map(|rows| Constrained::new(model, mode, rows, q)))
+        Self::with(model, rows.map(|rows| Constrained::new(model, selection, rows, q)))
     }
 
     fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
@@ -263,11 +279,6 @@ impl System {
     pub(crate) fn at_without_contact<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
         self.pressed.fill(Wrench::ZERO);
         self.at(time, q, v)
-    }
-
-    /// What motors and curves push with in the last balance, in the order of [`Model::pushed`].
-    pub fn pushes(&self) -> &[Push] {
-        &self.pushes
     }
 
     /// What motors of type `input` are asked to push with from now on, in the order of [`Model::inputs`] (N or N m); each pushes
@@ -330,9 +341,9 @@ impl System {
         self.time
     }
 
-    /// The factorization of the last accelerations, which were at `q` and `v`. For contact alone: others keep what
-    /// [`Evaluated::accelerations`] gives, which proves it.
-    pub(crate) fn factorized<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
+    /// The factorization of the last accelerations at `q` and `v`, which they may have been beside. For contact alone, where that is
+    /// as good: others keep what [`Evaluated::accelerations`] gives, which proves the place.
+    pub(crate) fn factorized_beside<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
         Factorized { system: self, q, v }
     }
 

@@ -1,6 +1,6 @@
 //! Ends of the curves that bodies are guided along: nothing goes beyond them. An end that a rigid stop keeps a body from is none.
 
-use super::{Link, Model, Stop};
+use super::{Link, Model, Side, Stop};
 use crate::element::Rod;
 
 /// One end of a curve.
@@ -14,8 +14,8 @@ pub struct CurveEnd {
     pub velocity: usize,
     /// Arc length there (m).
     pub at: f64,
-    /// 1 if the curve is below it, −1 if it is above.
-    pub sign: f64,
+    /// Which end of the curve it is.
+    pub side: Side,
     /// What rounding leaves of it (m).
     pub slack: f64,
 }
@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-12;
 impl CurveEnd {
     /// How far a coordinate is beyond it (m).
     pub fn beyond(&self, position: &[f64]) -> f64 {
-        self.sign * (position[self.position] - self.at)
+        self.side.sign() * (position[self.position] - self.at)
     }
 }
 
@@ -42,13 +42,13 @@ pub(super) fn ends(links: &[Link], rods: &[Rod], stops: &[Stop]) -> Vec<CurveEnd
     let of_link = |link: &Link| {
         let [from, to] = rods[link.joint.rod()?].guide()?.range();
         let (body, position, velocity) = (link.body, link.position, link.velocity);
-        let end = |at: f64, sign: f64| CurveEnd { body, position, velocity, at, sign, slack: ROUNDING * (to - from) };
-        Some([end(from, -1.0), end(to, 1.0)])
+        let slack = ROUNDING * (to - from);
+        Some(Side::ALL.map(|side| CurveEnd { body, position, velocity, at: side.of([from, to]), side, slack }))
     };
     let guarded = |end: &CurveEnd| {
-        let side = |stop: &Stop| if end.sign > 0.0 { end.at - stop.range[1] } else { stop.range[0] - end.at };
+        let behind = |stop: &Stop| end.side.sign() * (end.at - stop.limit(end.side));
         let rigid = |stop: &&Stop| stop.position == end.position && stop.is_rigid();
-        stops.iter().filter(rigid).any(|stop| side(stop) >= -end.slack)
+        stops.iter().filter(rigid).any(|stop| behind(stop) >= -end.slack)
     };
     links.iter().filter_map(of_link).flatten().filter(|end| !guarded(end)).collect()
 }

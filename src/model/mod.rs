@@ -32,6 +32,7 @@ pub mod stage;
 pub mod stop;
 pub mod structure;
 mod tree;
+mod variant;
 pub mod watch;
 
 pub use crate::force::{End, Force};
@@ -51,7 +52,7 @@ pub use motor::Motor;
 pub use output::{Output, Quantity};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
-pub use stop::{Side, Stop, StopLaw};
+pub use stop::{Side, Stop, StopLaw, StopSide};
 pub use watch::{Event, Watched};
 
 use crate::element::Rod;
@@ -238,16 +239,6 @@ impl Model {
             None => Arc::clone(self),
             Some(_) => Arc::new(Self { stages: None, ..Self::clone(self) }),
         }
-    }
-
-    /// The model that starts at `position`.
-    pub(crate) fn starting_at(self: Arc<Self>, position: &[f64]) -> Arc<Self> {
-        if self.start_position == position {
-            return self;
-        }
-        let mut model = Arc::unwrap_or_clone(self);
-        model.start_position.copy_from_slice(position);
-        Arc::new(model)
     }
 
     /// Number of hinge coordinates.

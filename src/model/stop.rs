@@ -1,7 +1,7 @@
 //! Stops of hinge coordinates: what the description says, what is compiled of it, and the mechanics of a stop.
 //!
 //! ```text
-//! (1)  depth       d = side · (q − limit)            beyond the limit of a side, −1 the low one, 1 the high one
+//! (1)  depth       d = s (q − limit)                 beyond the limit of a side: s = −1 at the low one, 1 at the high one
 //! (2)  compliant   push = k d + c ḋ,   V = ½ k max(0, d)²
 //! (3)  rigid       d ≤ 0;   u⁺ = −e u⁻
 //! ```
@@ -66,13 +66,48 @@ pub struct Stop {
     pub law: StopLaw,
 }
 
-/// Which end of a stop's range: −1 the low one, 1 the high one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Side {
+/// Which end of a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// Where the coordinate is least.
+    Low,
+    /// Where it is largest.
+    High,
+}
+
+impl Side {
+    /// Both, the low one first.
+    pub const ALL: [Self; 2] = [Self::Low, Self::High];
+
+    /// `s` of (1): −1 or 1.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Low => -1.0,
+            Self::High => 1.0,
+        }
+    }
+
+    /// Its number of a range.
+    pub fn of<T: Copy>(self, [low, high]: [T; 2]) -> T {
+        match self {
+            Self::Low => low,
+            Self::High => high,
+        }
+    }
+
+    /// As files and messages have it.
+    pub fn name(self) -> &'static str {
+        self.of(["low", "high"])
+    }
+}
+
+/// One side of one stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StopSide {
     /// Index into the model's stops.
     pub stop: usize,
-    /// −1 or 1.
-    pub sign: f64,
+    /// Which of its limits.
+    pub at: Side,
 }
 
 impl Stop {
@@ -81,31 +116,49 @@ impl Stop {
         self.law.is_rigid()
     }
 
-    /// The limit on the side of a sign, −1 or 1 (m or rad); infinite if there is none.
-    pub fn limit(&self, sign: f64) -> f64 {
-        self.range[usize::from(sign > 0.0)]
+    /// The limit on a side (m or rad); infinite if there is none.
+    pub fn limit(&self, side: Side) -> f64 {
+        side.of(self.range)
     }
 
-    /// Eq. (1) on the side of a sign (m or rad); negative inside the range.
-    pub fn depth(&self, sign: f64, q: &[f64]) -> f64 {
-        sign * (q[self.position] - self.limit(sign))
+    /// The side whose limit a value of the coordinate has reached, or is no more than `slack` away from (m or rad).
+    pub fn reached(&self, value: f64, slack: f64) -> Option<Side> {
+        match value {
+            value if value <= self.range[0] + slack => Some(Side::Low),
+            value if value >= self.range[1] - slack => Some(Side::High),
+            _ => None,
+        }
     }
 
-    /// `push` of (2) on the side of a sign, whatever its own sign (N or N m); zero for a rigid stop.
-    pub fn push(&self, sign: f64, q: &[f64], v: &[f64]) -> f64 {
+    /// The side whose limit a value of the coordinate has passed by more than `slack` (m or rad).
+    pub fn passed(&self, value: f64, slack: f64) -> Option<Side> {
+        match value {
+            value if value < self.range[0] - slack => Some(Side::Low),
+            value if value > self.range[1] + slack => Some(Side::High),
+            _ => None,
+        }
+    }
+
+    /// Eq. (1) on a side (m or rad); negative inside the range.
+    pub fn depth(&self, side: Side, q: &[f64]) -> f64 {
+        side.sign() * (q[self.position] - self.limit(side))
+    }
+
+    /// `push` of (2) on a side, whatever its own sign (N or N m); zero for a rigid stop.
+    pub fn push(&self, side: Side, q: &[f64], v: &[f64]) -> f64 {
         match self.law {
             StopLaw::Rigid { .. } => 0.0,
             StopLaw::Compliant { stiffness, damping } => {
-                stiffness * self.depth(sign, q) + damping * sign * v[self.velocity]
+                stiffness * self.depth(side, q) + damping * side.sign() * v[self.velocity]
             }
         }
     }
 
-    /// `V` of (2) on the side of a sign (J); zero for a rigid stop.
-    pub fn potential(&self, sign: f64, q: &[f64]) -> f64 {
+    /// `V` of (2) on a side (J); zero for a rigid stop.
+    pub fn potential(&self, side: Side, q: &[f64]) -> f64 {
         match self.law {
             StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { stiffness, .. } => 0.5 * stiffness * self.depth(sign, q).max(0.0).powi(2),
+            StopLaw::Compliant { stiffness, .. } => 0.5 * stiffness * self.depth(side, q).max(0.0).powi(2),
         }
     }
 
@@ -118,14 +171,14 @@ impl Stop {
         (depth != 0.0).then_some([stiffness, depth])
     }
 
-    /// The sides on which there is a limit: −1, 1 or both.
-    pub fn signs(&self) -> impl Iterator<Item = f64> + use<> {
+    /// The sides on which there is a limit.
+    pub fn sides(&self) -> impl Iterator<Item = Side> + use<> {
         let range = self.range;
-        [-1.0, 1.0].into_iter().filter(move |sign| range[usize::from(*sign > 0.0)].is_finite())
+        Side::ALL.into_iter().filter(move |side| side.of(range).is_finite())
     }
 }
 
 /// The sides of all stops.
-pub fn sides(stops: &[Stop]) -> impl Iterator<Item = Side> {
-    stops.iter().enumerate().flat_map(|(index, stop)| stop.signs().map(move |sign| Side { stop: index, sign }))
+pub fn sides(stops: &[Stop]) -> impl Iterator<Item = StopSide> {
+    stops.iter().enumerate().flat_map(|(index, stop)| stop.sides().map(move |at| StopSide { stop: index, at }))
 }

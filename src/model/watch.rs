@@ -4,7 +4,7 @@ use super::build::Place;
 use super::description::{Attachment, BodyDescription, Description};
 use super::output::{EnergyKind, Output, Quantity};
 use super::problem::{Element, Problem};
-use super::stop::{LimitDescription, Stop, StopLaw};
+use super::stop::{LimitDescription, Side, Stop, StopLaw};
 use super::{Body, End, Model};
 use crate::suggest;
 use nalgebra::Vector3;
@@ -168,18 +168,22 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
 fn second_rigid_stops(index: usize, body: &BodyDescription) -> Vec<Problem> {
     let sides = |limit: &LimitDescription| {
         let rigid = limit.law.is_rigid();
-        [("low", limit.low), ("high", limit.high)]
-            .map(|(side, at)| (limit.coordinate, side, at, rigid && at.is_finite()))
+        Side::ALL.map(|side| {
+            let at = side.of([limit.low, limit.high]);
+            (limit.coordinate, side, at, rigid && at.is_finite())
+        })
     };
     let limits = &body.hinge.limits;
     let mut problems = Vec::new();
     for (place, limit) in limits.iter().enumerate() {
         for (coordinate, side, at, _) in sides(limit).into_iter().filter(|(.., rigid)| *rigid) {
-            let same = |other: &&(usize, &str, f64, bool)| other.3 && (other.0, other.1) == (coordinate, side);
+            let same = |other: &&(usize, Side, f64, bool)| other.3 && (other.0, other.1) == (coordinate, side);
             let Some(first) = limits[..place].iter().flat_map(sides).find(|other| same(&other)) else { continue };
             let message = format!(
-                "coordinate {coordinate} of the hinge of `{}` has a second rigid stop on its {side} side, at {at}: the first is at {}",
-                body.name, first.2
+                "coordinate {coordinate} of the hinge of `{}` has a second rigid stop on its {} side, at {at}: the first is at {}",
+                body.name,
+                side.name(),
+                first.2
             );
             let help =
                 "keep the one that is reached first, or give the other a `stiffness`: compliant stops may overlap";

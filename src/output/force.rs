@@ -57,7 +57,7 @@ impl Measure for ForceQuantity {
             Source::Line(index) => out[0] = at.balanced.forces()[*index].law.pull(links),
             Source::Element(index) => self.six(&at_last_end(&at.balanced.forces()[*index], at), out),
             Source::Motor(index) => {
-                out[0] = at.balanced.system().pushes()[*index].force;
+                out[0] = at.balanced.pushes()[*index].force;
             }
             Source::Drive(index) => {
                 let push = rows.and_then(|rows| rows.drive_pushes(model, at.given.accelerations).nth(*index));
@@ -88,8 +88,8 @@ impl Measure for ForceQuantity {
             Source::Element(index) => self.six(&varied_at_last_end(&at.balanced.forces()[*index], at, by), out),
             // How the law of a motor changes with time is not known here.
             Source::Motor(index) if by.by.time == 0.0 => {
-                let system = at.balanced.system();
-                let (push, velocity) = (system.pushes()[*index], system.model().motors[*index].coordinate.velocity);
+                let velocity = at.balanced.system().model().motors[*index].coordinate.velocity;
+                let push = at.balanced.pushes()[*index];
                 let of = |list: &[f64]| list.get(velocity).copied().unwrap_or(0.0);
                 out[0] = push.by_position * of(by.by.position) + push.by_velocity * of(by.by.velocity);
             }

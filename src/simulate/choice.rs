@@ -94,7 +94,7 @@ impl Choice {
     /// Looks at the last step; true where another method goes on from here.
     pub(super) fn review(&mut self, motion: &mut Motion, stepper: &dyn Stepper<Motion>) -> bool {
         // Captured steps are those of no method.
-        if !self.auto || motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing) {
+        if !self.auto || motion.is_captured() {
             return false;
         }
         let time = stepper.time();

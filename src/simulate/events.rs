@@ -24,7 +24,7 @@ use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::watch::Direction;
-use crate::model::{Model, Side, StopLaw, Watched};
+use crate::model::{Model, StopLaw, StopSide, Watched};
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::{Motion, TIMES};
@@ -44,9 +44,9 @@ const MOST_HALVINGS: u32 = 50;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Function {
     /// The depth in a stop, rigid or compliant.
-    Depth(Side),
+    Depth(StopSide),
     /// The push of a compliant stop.
-    Push(Side),
+    Push(StopSide),
     /// How far the force of what is held is within its range; in this place of the list.
     Reserve(usize),
     /// The speed of what slides against dry friction, in the direction in which it did when the step began; of a spherical hinge
@@ -104,9 +104,9 @@ impl Watch {
 
 /// An event that changes how the scene goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Turn {
+pub(super) enum Transition {
     /// A rigid stop is hit.
-    Strike(Side),
+    Strike(StopSide),
     /// What is held is let go; its first velocity coordinate.
     Release(usize),
     /// What slid against this dry friction is at rest.
@@ -114,9 +114,9 @@ pub(super) enum Turn {
     /// What rested in spite of this dry friction moves.
     Breakaway(usize),
     /// A compliant stop pushes from now on, or no longer.
-    Push(Side, bool),
+    Push(StopSide, bool),
     /// A compliant stop that pushes no longer is relaxed: the power of its damper has a kink there.
-    Relax(Side),
+    Relax(StopSide),
     /// A law changes: the step ends there, so that none goes across.
     Switch(Boundary),
     /// Bodies meet or part, stick or slip; whether a force has left its cone.
@@ -131,7 +131,7 @@ pub(super) enum Turn {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     pub(super) time: f64,
-    pub(super) turn: Turn,
+    pub(super) transition: Transition,
 }
 
 /// What is watched, and what happened so far.
@@ -187,21 +187,21 @@ impl Events {
         })
     }
 
-    /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
+    /// Takes the signs at the start of a run or after a transition; what is watched depends on the discrete state.
     pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
         // Captured steps follow rigid stops and dry friction by themselves.
-        let captured = motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing);
+        let captured = motion.is_captured();
         let held = if captured { &[] } else { motion.held() };
         let rubbing = if captured { &[] } else { motion.system.phase().rubbing.as_slice() };
-        let rests = |side: &Side| held.iter().any(|held| held.stop == Some(*side));
+        let rests = |side: &StopSide| held.iter().any(|held| held.stop == Some(*side));
         let mut functions: Vec<Function> = (0..held.len()).map(Function::Reserve).collect();
         functions.extend(rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
             Rubbing::Sticks => None,
             Rubbing::Slides(_) => Some(Function::Speed(index)),
             Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
-        let follows = |side: &Side| !(captured && model.stops[side.stop].is_rigid());
+        let follows = |side: &StopSide| !(captured && model.stops[side.stop].is_rigid());
         for side in sides(&model.stops).filter(|side| !rests(side) && follows(side)) {
             if !motion.system.phase().pushes(side) {
                 functions.push(Function::Depth(side));
@@ -259,7 +259,7 @@ impl Events {
         }
     }
 
-    /// Looks at the last step up to its end: notes what is only to be noted, and gives the first event that turns it.
+    /// Looks at the last step up to its end: notes what is only to be noted, and gives the first transition.
     pub(super) fn look(
         &mut self,
         motion: &mut Motion,
@@ -352,22 +352,22 @@ impl Events {
         Ok(first)
     }
 
-    /// Takes note of all changes between two looks up to the first that turns the step; that one.
+    /// Takes note of all changes between two looks up to the first that is a transition; that one.
     fn first(
         &mut self,
         motion: &mut Motion,
         stepper: &mut dyn Stepper<Motion>,
         interval: [f64; 2],
     ) -> Result<Option<Hit>, RunError> {
-        let (mut until, mut turning) = (interval[1], None);
+        let (mut until, mut first) = (interval[1], None);
         let mut notes: Vec<(f64, usize)> = Vec::new();
         for index in 0..self.watches.len() {
             if !self.watches[index].changed() {
                 continue;
             }
             let Some(time) = self.locate(motion, stepper, index, [interval[0], until])? else { continue };
-            match self.turn(motion, index) {
-                Some(turn) => (until, turning) = (time, Some((index, turn))),
+            match self.transition(motion, index) {
+                Some(transition) => (until, first) = (time, Some((index, transition))),
                 None => notes.push((time, index)),
             }
         }
@@ -376,9 +376,9 @@ impl Events {
         for (time, index) in notes {
             self.cross(motion, stepper, time, index)?;
         }
-        let Some((index, turn)) = turning else { return Ok(None) };
+        let Some((index, transition)) = first else { return Ok(None) };
         self.cross(motion, stepper, until, index)?;
-        Ok(Some(Hit { time: until, turn }))
+        Ok(Some(Hit { time: until, transition }))
     }
 
     /// The first time in an interval at which a function has changed its sign, the state being that then; `None` if it has
@@ -414,33 +414,35 @@ impl Events {
         Ok(Some(time))
     }
 
-    /// The turn that a change of sign is, if it is one, the state being that at its time.
-    fn turn(&self, motion: &Motion, index: usize) -> Option<Turn> {
+    /// The transition that a change of sign is, if it is one, the state being that at its time.
+    fn transition(&self, motion: &Motion, index: usize) -> Option<Transition> {
         let Watch { function, positive, .. } = self.watches[index];
         let model = &Arc::clone(motion.model());
         match function {
             Function::Depth(side) => match (model.stops[side.stop].law, positive) {
                 (StopLaw::Rigid { .. }, true) => None,
-                (StopLaw::Rigid { .. }, false) => Some(Turn::Strike(side)),
-                (StopLaw::Compliant { .. }, true) => Some(Turn::Relax(side)),
-                (StopLaw::Compliant { .. }, false) => Some(Turn::Push(side, true)),
+                (StopLaw::Rigid { .. }, false) => Some(Transition::Strike(side)),
+                (StopLaw::Compliant { .. }, true) => Some(Transition::Relax(side)),
+                (StopLaw::Compliant { .. }, false) => Some(Transition::Push(side, true)),
             },
             Function::Push(side) => {
-                let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;
+                let inside = model.stops[side.stop].depth(side.at, &self.state.position) > 0.0;
                 match (motion.system.phase().pushes(side), positive) {
-                    (true, true) => Some(Turn::Push(side, false)),
-                    (false, false) if inside => Some(Turn::Push(side, true)),
+                    (true, true) => Some(Transition::Push(side, false)),
+                    (false, false) if inside => Some(Transition::Push(side, true)),
                     _ => None,
                 }
             }
-            Function::Reserve(held) => motion.held().get(held).map(|held| Turn::Release(held.velocity)),
-            Function::Speed(index) => positive.then_some(Turn::Still(index)),
-            Function::Breakaway(index) => Some(Turn::Breakaway(index)),
-            Function::Law(boundary) => Some(Turn::Switch(boundary)),
-            Function::End(end) => (!positive).then_some(Turn::Leave(end)),
-            Function::Contact(aspect) => positive.then_some(Turn::Contact { at_limit: aspect == Aspect::Reserve }),
+            Function::Reserve(held) => motion.held().get(held).map(|held| Transition::Release(held.velocity)),
+            Function::Speed(index) => positive.then_some(Transition::Still(index)),
+            Function::Breakaway(index) => Some(Transition::Breakaway(index)),
+            Function::Law(boundary) => Some(Transition::Switch(boundary)),
+            Function::End(end) => (!positive).then_some(Transition::Leave(end)),
+            Function::Contact(aspect) => {
+                positive.then_some(Transition::Contact { at_limit: aspect == Aspect::Reserve })
+            }
             Function::User(event) => {
-                (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))
+                (self.counts(model, index) && model.events[event].stops).then_some(Transition::Stop(event))
             }
         }
     }

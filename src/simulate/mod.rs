@@ -1,4 +1,22 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `entry` | runs of a scene as it is, or through its stages |
+//! | [`settings`], `asked`, `state`, `error` | what a user asks of a run, what a run is given, where it is, and why it ended early |
+//! | `run` | the time loop of one structure: steps, instants of controllers, transitions, contact; several models at once in `run/together` |
+//! | `staged` | one run after the other, each of the structure of its stage |
+//! | [`problem`] | a system as a problem of time stepping: the only place where mechanics and integrators meet |
+//! | `choice`, `stiffness` | which method steps, and how fast the fastest motion is |
+//! | [`events`] | the functions that are watched, and the transition that is found first |
+//! | `stops` | what stops and dry friction of hinges hold, and what follows at an instant |
+//! | `contact` | bodies that touch: their rows, instants, events, and steps that capture many events |
+//! | `resting` | scenes that contact holds at rest: nothing is integrated |
+//! | `passage` | singular positions of loops, and how a run passes them |
+//! | `implicit`, `coordinates` | Newton's matrices of implicit steps, and rates of hinge coordinates |
+//! | [`control`] | controllers: what they set and remember, and when they act next |
+//! | `samples` | what is told of a run, energies and outputs among it |
+//! | `checks` | whether a run is right and gets anywhere |
 
 mod asked;
 mod checks;

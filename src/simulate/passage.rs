@@ -132,11 +132,14 @@ impl Passage {
             for sign in [-1.0, 1.0] {
                 let clear = self.look(system, time, (q, v), sign * (k + 1) as f64 * tau).is_some();
                 let Self { position, velocity, acceleration, multipliers, .. } = self;
-                if !clear || system.at(time, position, velocity).accelerations(acceleration).is_err() {
+                if !clear {
                     return false;
                 }
+                let Ok(mass) = system.at(time, position, velocity).into_accelerations(acceleration) else {
+                    return false;
+                };
+                mass.add_multipliers(*weight, multipliers);
                 a.iter_mut().zip(&*acceleration).for_each(|(a, there)| *a += weight * there);
-                system.add_multipliers(*weight, multipliers);
             }
         }
         system.set_multipliers(&self.multipliers);

@@ -2,14 +2,14 @@
 
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
-use crate::model::{End, Model, Side};
+use crate::model::{End, Model, StopSide};
 use crate::simulate::contact::Contacts;
 use crate::simulate::coordinates::Coordinates;
 use crate::simulate::error::RunError;
 use crate::simulate::implicit::tangent::Tangent;
 use crate::simulate::passage::Passage;
 use crate::simulate::state::State;
-use crate::simulate::stops::nonsmooth::{Held, Nonsmooth, within};
+use crate::simulate::stops::nonsmooth::{Holding, Nonsmooth, within};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -106,25 +106,36 @@ impl Motion {
         self.system.model()
     }
 
+    /// Whether captured steps are at work.
+    pub(super) fn is_captured(&self) -> bool {
+        self.contacts.as_ref().is_some_and(|contacts| contacts.is_captured())
+    }
+
     /// `a ← q̈(t, q, v)`, stops included.
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+        let mut mass = if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
             self.system.pressed().fill(Wrench::ZERO);
             passage.accelerations(&mut self.system, time, q, v, a)?;
+            if self.contacts.is_none() {
+                return Ok(());
+            }
+            // Contacts push here; the factorization is that of a place nearby.
+            self.system.at(time, q, v);
+            self.system.factorized_beside(q, v)
         } else {
-            let mut at = self.system.at_without_contact(time, q, v);
-            let mut mass = at.accelerations(a)?;
+            let mut mass = self.system.at_without_contact(time, q, v).into_accelerations(a)?;
             if let Some(nonsmooth) = &mut self.nonsmooth {
                 nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
             }
+            mass
+        };
+        if let Some(contacts) = &mut self.contacts {
+            contacts.correct(&mut mass, a);
         }
-        match &mut self.contacts {
-            Some(contacts) => contacts.correct(&mut self.system, q, v, a),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
@@ -162,7 +173,7 @@ impl Motion {
     }
 
     /// What stops and dry friction hold at rest.
-    pub(super) fn held(&self) -> &[Held] {
+    pub(super) fn held(&self) -> &[Holding] {
         self.nonsmooth.as_ref().map_or(&[], |nonsmooth| &nonsmooth.held)
     }
 
@@ -171,7 +182,7 @@ impl Motion {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Held]) -> Result<(), Fault> {
+    pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Holding]) -> Result<(), Fault> {
         let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
         nonsmooth.set_held(held);
         let Some(passage) = &mut self.passage else { return Ok(()) };
@@ -190,16 +201,16 @@ impl Motion {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[Side]) -> Result<(), Fault> {
+    pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[StopSide]) -> Result<(), Fault> {
         let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
         if self.passage.is_none() {
             for side in sides {
                 let stop = &nonsmooth.model.stops[side.stop];
-                state.position[stop.position] = stop.limit(side.sign);
+                state.position[stop.position] = stop.limit(side.at);
             }
             return Ok(());
         }
-        let row = |side: &Side| nonsmooth.row(*side, &state.position, &state.velocity);
+        let row = |side: &StopSide| nonsmooth.row(*side, &state.position, &state.velocity);
         let rows: Vec<_> = sides.iter().filter_map(row).collect();
         self.system.at(time, &state.position, &state.velocity).hold(&rows)?;
         self.system.settle(time, &mut state.position, &mut state.velocity)?;
@@ -229,7 +240,7 @@ impl Motion {
         let Some(nonsmooth) = &self.nonsmooth else { return };
         for side in &self.system.phase().pushing {
             let stop = &nonsmooth.model.stops[side.stop];
-            out[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
+            out[stop.velocity] -= side.at.sign() * stop.push(side.at, q, v);
         }
         for (index, held) in nonsmooth.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
             out[held.velocity] += match self.passage {
@@ -246,14 +257,14 @@ impl Motion {
     /// [`RunError::Passed`].
     pub(super) fn guard(&self, time: f64, state: &State) -> Result<(), RunError> {
         for (index, stop) in self.model().stops.iter().enumerate() {
-            for sign in stop.signs() {
-                let side = Side { stop: index, sign };
+            for at in stop.sides() {
+                let side = StopSide { stop: index, at };
                 // What a coordinate moves by in the rounding of time.
                 let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
-                let beyond = !(stop.depth(sign, &state.position) <= self.passing(side).max(rounding));
+                let beyond = !(stop.depth(at, &state.position) <= self.passing(side).max(rounding));
                 if beyond && stop.is_rigid() {
                     let hinge = self.model().bodies[stop.body].name.clone();
-                    let (value, limit) = (state.position[stop.position], stop.limit(sign));
+                    let (value, limit) = (state.position[stop.position], stop.limit(at));
                     return Err(RunError::Passed { time, hinge, value, limit });
                 }
             }
@@ -262,12 +273,12 @@ impl Motion {
     }
 
     /// A rigid stop may be passed by this and no more (m or rad).
-    pub(super) fn passing(&self, side: Side) -> f64 {
+    pub(super) fn passing(&self, side: StopSide) -> f64 {
         PASSED * self.size(side)
     }
 
     /// A coordinate this near to a limit is on it (m or rad): rounding of coordinates and times.
-    pub(super) fn touching(&self, side: Side) -> f64 {
+    pub(super) fn touching(&self, side: StopSide) -> f64 {
         ON_THE_LIMIT * self.size(side)
     }
 
@@ -287,9 +298,9 @@ impl Motion {
     }
 
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
-    fn size(&self, side: Side) -> f64 {
+    fn size(&self, side: StopSide) -> f64 {
         let stop = &self.model().stops[side.stop];
-        self.position_scales[stop.position].max(stop.limit(side.sign).abs())
+        self.position_scales[stop.position].max(stop.limit(side.at).abs())
     }
 
     /// Where a point is (m).

@@ -20,7 +20,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
-use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
+use crate::statics::standing::{BearingContacts, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -43,7 +43,7 @@ pub fn check(model: &Arc<Model>, settings: &Settings, start: &State) -> Result<(
 ///
 /// # Errors
 /// [`RunError::Contact`] where that cannot be decided, and of what contact in motion does not have.
-pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<Held>, RunError> {
+pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<HeldAtRest>, RunError> {
     let Some(rule) = model.contacts.first() else { return Ok(None) };
     let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
     // What is compliant moves into what bears it.
@@ -55,7 +55,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
     };
     match found.map_err(|why| refuse(why.to_string()))? {
         Some(found) if found.verdict == Verdict::Stands => {
-            return Ok(Some(Held {
+            return Ok(Some(HeldAtRest {
                 model: with_contacts(model, &state.position, &found.contacts),
                 contacts: pushes(model, &found),
             }));
@@ -105,14 +105,14 @@ pub(super) fn is_steady(model: &Model) -> bool {
 }
 
 /// What holds a scene at rest.
-pub(super) struct Held {
+pub(super) struct HeldAtRest {
     /// The model with the forces of its contacts as loads.
     pub(super) model: Arc<Model>,
     /// These forces.
     pub(super) contacts: Vec<ContactPush>,
 }
 
-fn pushes(model: &Model, found: &Bearing) -> Vec<ContactPush> {
+fn pushes(model: &Model, found: &BearingContacts) -> Vec<ContactPush> {
     let push = |one: &ContactForce| ContactPush {
         between: one.contact.bodies.map(|body| model.bodies[body].name.clone()),
         point: one.contact.point.into(),

@@ -3,26 +3,26 @@
 mod instants;
 mod prepared;
 mod stepper;
+mod steps;
 pub(super) mod together;
 mod touching;
-mod turning;
+mod transition;
 
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::simulate::asked::Asked;
-use crate::simulate::checks::pace::{Creep, Pace, Turns};
+use crate::simulate::checks::pace::EventPace;
 use crate::simulate::choice::Choice;
 use crate::simulate::control::{Control, Function};
-use crate::simulate::error::{RunError, component_name, named};
-use crate::simulate::events::dead_centre;
+use crate::simulate::error::RunError;
 use crate::simulate::events::search::Search;
 use crate::simulate::events::timetable::Timetable;
 use crate::simulate::events::{Events, Hit, Kind, Occurrence};
 use crate::simulate::problem::Motion;
 use crate::simulate::resting;
-use crate::simulate::samples::ledger::{Booked, Ledger, interpolate};
+use crate::simulate::samples::ledger::{Booked, Ledger};
 use crate::simulate::samples::sampler::Sampler;
 use crate::simulate::settings::{Integrator, Resume, Settings};
 use crate::simulate::state::State;
@@ -31,7 +31,8 @@ use crate::simulate::stops::instant;
 use crate::spatial::Pose;
 use prepared::Prepared;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use steps::Ending;
 
 /// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms.
 const FIXED_STEP: f64 = 0.01;
@@ -156,7 +157,7 @@ struct Run<'m, 'f> {
     statistics: Statistics,
     /// `None` for a model without stops and events.
     events: Option<Events>,
-    turns: Turns,
+    event_pace: EventPace,
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
@@ -217,7 +218,7 @@ impl<'m, 'f> Run<'m, 'f> {
             choice: None,
             statistics: Statistics::default(),
             events,
-            turns: Turns::new(
+            event_pace: EventPace::new(
                 sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
             ),
             happened: Vec::new(),
@@ -309,50 +310,25 @@ impl Run<'_, '_> {
             }
             let origin = time;
             let mut stepper = self.stepper(motion, settings, choice.method, time)?;
-            let mut pace = Pace::new(time);
-            let (mut switch, mut stopped, mut turn, mut caught) = (false, false, None, false);
-            while !stepper.finished() && !switch && !stopped && turn.is_none() && !caught {
-                let hit = match self.step(motion, stepper.as_mut()) {
-                    Err(_) if self.try_capture(motion, time) => {
-                        caught = true;
-                        break;
-                    }
-                    hit => hit?,
-                };
-                time = hit.map_or(stepper.time(), |hit| hit.time);
-                turn = hit.map(|hit| hit.turn);
-                stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
-                recorder.pause()?;
-                self.close_step(motion, stepper.as_mut(), time)?;
-                if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
-                    caught = self.try_capture(motion, time);
-                    if !caught {
-                        return Err(self.creeps(stepper.as_ref(), creep));
-                    }
-                }
-                if turn.is_none() && !caught && self.toils(motion, stepper.as_ref(), time) {
-                    caught = self.try_capture(motion, time);
-                }
-                stopped |= !go_on(time, &self.state);
-                switch = turn.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));
-            }
+            let ending = self.steps(motion, stepper.as_mut(), &mut choice, time, recorder, go_on)?;
+            let Ending { transition, switches, captures, stopped, .. } = ending;
+            time = ending.time;
             self.statistics.add(stepper.statistics());
             let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
-            if switch && self.hands_back(motion, time) {
+            if switches && self.hands_back(motion, time) {
                 self.hand_back(motion, time, choice.method)?;
                 self.mark_all(recorder)?;
-            } else if switch {
+            } else if switches {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0, between: None }, recorder)?;
             }
             self.choice = if self.rests { Some(resting::SAID.to_owned()) } else { choice.said() };
-            let turned = turn.is_some();
-            if caught {
+            if captures {
                 self.mark_all(recorder)?;
                 self.arm(motion, time);
             }
-            if let Some(turn) = turn {
-                self.turn(motion, settings, choice.method, Hit { time, turn })?;
+            if let Some(transition) = transition {
+                self.transition(motion, settings, choice.method, Hit { time, transition })?;
                 self.mark_all(recorder)?;
             }
             if self.stopped_by.is_some() {
@@ -362,7 +338,7 @@ impl Run<'_, '_> {
             if time >= self.end || stopped || self.stopped_by.is_some() {
                 return Ok(resume);
             }
-            if (!turned || self.is_due(next)) && time >= self.segment_end(next) {
+            if (transition.is_none() || self.is_due(next)) && time >= self.segment_end(next) {
                 time = next;
                 if self.is_due(time) {
                     self.carried = resume.step;
@@ -400,7 +376,7 @@ impl Run<'_, '_> {
         self.sampler.up_to(motion, &mut self.ledger, stepper, until, recorder, go_on)
     }
 
-    /// Hands on what happened at a turn.
+    /// Hands on what happened at a transition.
     fn mark_all(&mut self, recorder: &mut dyn Recorder) -> Result<(), RunError> {
         let happened = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.happened));
         happened.into_iter().try_for_each(|occurrence| self.mark(occurrence, recorder))
@@ -431,52 +407,5 @@ impl Run<'_, '_> {
             rate: fastest.rate,
             step,
         })
-    }
-
-    fn creeps(&self, stepper: &dyn Stepper<Motion>, Creep { step, left }: Creep) -> RunError {
-        let (time, limiting) = (stepper.time(), stepper.limiting());
-        let component = component_name(self.model, limiting).unwrap_or_else(|| limiting.to_string());
-        dead_centre::beside(RunError::Creep { time, step, left, component }, self.model, time, &self.state)
-    }
-
-    /// One step, and the state at its end or at what happens before.
-    fn step(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>) -> Result<Option<Hit>, RunError> {
-        let before = Instant::now();
-        let (model, state) = (self.model, &self.state);
-        stepper
-            .step(motion)
-            .map_err(|error| dead_centre::beside(named(model, &error), model, stepper.time(), state))?;
-        self.wall += before.elapsed();
-        let Some(events) = &mut self.events else {
-            self.state.position.copy_from_slice(stepper.position());
-            self.state.velocity.copy_from_slice(stepper.velocity());
-            return Ok(None);
-        };
-        let hit = events.look(motion, stepper)?;
-        self.ledger.undisturbed = hit.is_none() && events.happened.is_empty();
-        let until = hit.map_or(stepper.time(), |hit| hit.time);
-        interpolate(motion, stepper, until, &mut self.state)?;
-        motion.guard(until, &self.state)?;
-        self.guard_curves(until)?;
-        Ok(hit)
-    }
-
-    /// The account of a step up to its end or to what happened before.
-    fn close_step(
-        &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
-        until: f64,
-    ) -> Result<(), RunError> {
-        if self.model.is_constrained() {
-            self.gap = self.gap.max(motion.at(until, &self.state.position, &self.state.velocity).gap());
-        }
-        self.sampler.close(motion, &mut self.ledger, stepper, until)?;
-        if let Some(contacts) = &mut motion.contacts {
-            self.ledger.lose(contacts.taken());
-        }
-        self.guard_contacts(motion, until)?;
-        self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));
-        Ok(())
     }
 }

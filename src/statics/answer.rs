@@ -1,7 +1,7 @@
 //! What every command asks of a scene: its equilibrium, or the inputs that hold its pose.
 
 use super::aim::aim;
-use super::inverse::{Held, hold};
+use super::inverse::{InverseAnswer, hold};
 use super::search::{Observers, equilibrium_observed};
 use super::settings::{Margin, Settings, Sought};
 use super::standing::{self, Unanswered};
@@ -24,7 +24,7 @@ pub fn answer(
     settings: &Settings,
     margin: &Margin,
     go_on: &dyn Fn() -> bool,
-) -> Result<Held, Unanswered> {
+) -> Result<InverseAnswer, Unanswered> {
     if !sought.aim.is_empty() {
         return Ok(aim(description, model, sought, settings, go_on)?);
     }
@@ -40,5 +40,5 @@ pub fn answer(
         true => standing::equilibrium(&description, &model, settings, margin, &search, go_on)?,
         false => search()?,
     };
-    Ok(Held { description, model, found })
+    Ok(InverseAnswer { description, model, found })
 }

@@ -2,7 +2,7 @@
 
 use crate::dynamics::{Fault, Linearization, Powers, System};
 use crate::model::description::Description;
-use crate::model::{Model, Parameter, Stop, StopLaw};
+use crate::model::{Model, Parameter, Side, Stop, StopLaw};
 use crate::output::{Given, Outputs};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
@@ -410,13 +410,13 @@ impl Family for Moving<'_> {
 /// What the springs of hinges and of the compliant stops that bear on them hold more than the one spring that stands for both
 /// (J): (1) of `bearing`.
 fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
-    let of = |(stop, side): (&Stop, &i8)| {
-        let StopLaw::Compliant { stiffness, .. } = stop.law else { return 0.0 };
+    let of = |(stop, side): (&Stop, &Option<Side>)| {
+        let (Some(side), StopLaw::Compliant { stiffness, .. }) = (*side, stop.law) else { return 0.0 };
         let both = &model.coordinates[stop.velocity];
         let own = both.stiffness - stiffness;
         // `k (rest − limit) = k' (rest' − limit)`
-        let preload = both.stiffness * (both.rest - stop.limit(f64::from(*side)));
-        if *side == 0 || own <= 0.0 { 0.0 } else { 0.5 * preload * preload * stiffness / (own * both.stiffness) }
+        let preload = both.stiffness * (both.rest - stop.limit(side));
+        if own <= 0.0 { 0.0 } else { 0.5 * preload * preload * stiffness / (own * both.stiffness) }
     };
     stops.iter().zip(set).map(of).sum()
 }
@@ -426,14 +426,14 @@ pub(super) fn borne(model: &Model, found: &Equilibrium) -> Set {
     let side = |stop: &Stop| {
         let hinge = model.label(stop.velocity);
         let bearing = found.stops.iter().find(|one| one.hinge == hinge);
-        bearing.map_or(0, |one| if one.low { -1 } else { 1 })
+        bearing.map(|one| one.side)
     };
     model.stops.iter().map(side).collect()
 }
 
 /// The model while these stops bear, and the position on them.
 fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f64>), String> {
-    if set.iter().all(|side| *side == 0) {
+    if set.iter().all(Option::is_none) {
         return Ok((model, q.to_vec()));
     }
     bearing::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())

@@ -46,7 +46,7 @@ const BENT: f64 = 1e-4;
 
 /// Inputs, and the equilibrium that they make of the pose.
 #[derive(Debug, Clone)]
-pub struct Held {
+pub struct InverseAnswer {
     /// The scene with the inputs that were found; as it was where they are not allowed.
     pub description: Description,
     /// Its model, standing in the pose.
@@ -76,7 +76,7 @@ pub fn hold(
     unknown: &[Parameter],
     pose: &[f64],
     settings: &Settings,
-) -> Result<Held, Fault> {
+) -> Result<InverseAnswer, Fault> {
     let built = Model::build(description).expect("a description that was built before");
     let (given, assembled) = Assembled::of(built).expect("loops that were closed before");
     let given = given.starting_at(pose);
@@ -92,11 +92,11 @@ pub fn hold(
         match bearing::pulling(&model, &set, &bearing, &found)?.filter(|_| found.balanced) {
             Some(index) => {
                 search.let_go.push(model.label(model.stops[index].velocity));
-                set[index] = 0;
+                set[index] = None;
             }
             None => {
                 let found = bearing::finish(&model, &set, &bearing, found)?;
-                return Ok(Held { description: best, model, found });
+                return Ok(InverseAnswer { description: best, model, found });
             }
         }
     }
@@ -138,7 +138,7 @@ impl Search<'_> {
         let bent = unknown.iter().any(|one| one.field == Field::Named);
         let mut problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
         // What only a stop feels is no mistake.
-        let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
+        let mut notes = if set.iter().any(Option::is_some) { Vec::new() } else { problem.useless() };
         let influential = notes.is_empty();
         let sizes = first.scales.force.clone();
         let (mut best, mut model, mut place_now) = (description.clone(), given, first);
@@ -199,7 +199,7 @@ fn refused_by_stops(
     given: Arc<Model>,
     beyond: &[(String, f64, f64)],
     settings: &Settings,
-) -> Result<Held, Fault> {
+) -> Result<InverseAnswer, Fault> {
     let passed = |(hinge, limit, value): &(String, f64, f64)| {
         format!("the pose is beyond the limit {} of {hinge}, which stands at {}", number(*limit), number(*value))
     };
@@ -207,7 +207,7 @@ fn refused_by_stops(
     let mut found = equilibrium::examine(&given, settings, pose, "inverse", notes)?;
     (found.converged, found.balanced, found.stability) = (false, false, None);
     found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(description))).collect();
-    Ok(Held { description: description.clone(), model: given, found })
+    Ok(InverseAnswer { description: description.clone(), model: given, found })
 }
 
 fn metric(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {

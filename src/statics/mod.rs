@@ -32,11 +32,11 @@ mod watch;
 
 pub use answer::answer;
 pub use certify::damped::DampedMode;
-pub use certify::equilibrium::{Bearing, Equilibrium};
-pub use certify::modes::Mode;
-pub use certify::stability::{Stability, Verdict};
+pub use certify::equilibrium::{BearingStop, Equilibrium};
+pub use certify::modes::NaturalMode;
+pub use certify::stability::{Stability, StabilityVerdict};
 pub use effort::{Iteration, Stage};
-pub use inverse::{Held, hold};
+pub use inverse::{InverseAnswer, hold};
 pub use outputs::{beams, diagrams, outputs};
 pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};

@@ -26,7 +26,7 @@ pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Faul
     for bearing in &found.stops {
         let stop = model.stops.iter().find(|stop| model.label(stop.velocity) == bearing.hinge);
         if let Some(stop) = stop {
-            stops[stop.velocity] += if bearing.low { bearing.load } else { -bearing.load };
+            stops[stop.velocity] += -bearing.side.sign() * bearing.load;
         }
     }
     let mut at = system.at(0.0, q, v);

@@ -6,9 +6,9 @@
 use super::column::{Cell, Column, Kind};
 use crate::dynamics::System;
 use crate::force::Act;
-use crate::model::Model;
 use crate::model::description::StageDescription;
 use crate::model::output::Output;
+use crate::model::{Model, Side};
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
 use crate::statics::{Equilibrium, Stability, standing};
@@ -182,10 +182,14 @@ impl<'a> Listing<'a, '_> {
         let unknown = scenario.unknown.iter().map(|one| ("inputs", one, inputs));
         for (list, parameter, ranges) in asked.chain(unknown) {
             let range = ranges.iter().find(|one| one.name == parameter.address).map(|one| one.range);
-            for (end, side) in ["low", "high"].into_iter().enumerate() {
+            for side in Side::ALL {
                 // Nothing limits it: as in JSON, no number.
-                let number = range.map(|range| range[end]).filter(|number| number.is_finite());
-                self.number(parameter.quantity.unit(), &|| format!("{list}.{}.{side}", parameter.address), number);
+                let number = range.map(|range| side.of(range)).filter(|number| number.is_finite());
+                self.number(
+                    parameter.quantity.unit(),
+                    &|| format!("{list}.{}.{}", parameter.address, side.name()),
+                    number,
+                );
             }
         }
         if scenario.margin.tilt {
@@ -236,13 +240,13 @@ impl<'a> Listing<'a, '_> {
             if model.stops[..index].iter().any(|other| other.velocity == stop.velocity) {
                 continue;
             }
-            for (low, side) in [(true, "low"), (false, "high")] {
+            for side in Side::ALL {
                 let load = held.map(|held| {
                     let label = model.label(stop.velocity);
-                    let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.low == low);
+                    let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.side == side);
                     here.fold(0.0, |sum, bearing| sum + bearing.load)
                 });
-                let name = || format!("stops.{}.{side}", place(model, stop.velocity));
+                let name = || format!("stops.{}.{}", place(model, stop.velocity), side.name());
                 self.number(force_unit(model, stop.velocity), &name, load);
             }
         }

@@ -9,7 +9,7 @@ use stillpoint::model::description::*;
 use stillpoint::scenario::Scenario;
 use stillpoint::spatial::{Principal, Sym3};
 use stillpoint::statics::standing::Unanswered;
-use stillpoint::statics::{Held, answer};
+use stillpoint::statics::{InverseAnswer, answer};
 
 /// How many damaged inputs the environment asks for: `ROBUST_CASES=100000` looks longer than a test usually does.
 pub(crate) fn robust_cases() -> Option<u32> {
@@ -17,7 +17,7 @@ pub(crate) fn robust_cases() -> Option<u32> {
 }
 
 /// What statics answers to a scenario, from a model of it.
-pub(crate) fn answered(scenario: &Scenario, model: Arc<Model>) -> Result<Held, Unanswered> {
+pub(crate) fn answered(scenario: &Scenario, model: Arc<Model>) -> Result<InverseAnswer, Unanswered> {
     answer(scenario.description.clone(), model, scenario.sought(), &scenario.statics, &scenario.margin, &|| true)
 }
 

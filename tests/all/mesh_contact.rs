@@ -10,7 +10,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::{Scenario, load};
 use stillpoint::simulate::{self, Integrator, Settings, Start, State, run};
-use stillpoint::statics::standing::Standing;
+use stillpoint::statics::standing::StandingReport;
 
 struct Folder(tempfile::TempDir);
 
@@ -61,7 +61,7 @@ fn read(folder: &Folder, text: &str) -> (Scenario, Arc<Model>) {
     (scenario, model)
 }
 
-fn stands((scenario, model): (Scenario, Arc<Model>)) -> Standing {
+fn stands((scenario, model): (Scenario, Arc<Model>)) -> StandingReport {
     let held = answered(&scenario, model).unwrap();
     *held.found.standing.unwrap()
 }

@@ -169,13 +169,13 @@ fn net(n: usize) -> Description {
 /// A net lets down from nearly flat and hangs, stable; its lowest modes are those of the dense matrices.
 #[test]
 fn a_net_hangs_and_swings_as_the_dense_matrices_say() {
-    use stillpoint::statics::{Settings, Verdict, equilibrium};
+    use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
     let model: Arc<Model> = build(&net(7));
     assert!(is_sparse(&model));
     let found = equilibrium(&model, &Settings::default(), &model.start_position).unwrap();
     assert!(found.converged, "{:?}", found.notes);
     let stability = found.stability.unwrap();
-    assert_eq!(stability.verdict, Verdict::Stable);
+    assert_eq!(stability.verdict, StabilityVerdict::Stable);
     let n = model.velocity_count();
     let zero = vec![0.0; n];
     let dense = System::new(&model).at(0.0, &found.position, &zero).linearize(&zero).unwrap();
@@ -266,7 +266,7 @@ fn along_rows(model: &Arc<Model>, q: &[f64], multipliers: &[f64]) -> (f64, Vec<f
 /// Frames of many loops come to rest by sparse matrices; residual, verdict and lowest modes are those of dense ones.
 #[test]
 fn many_loops_rest_and_swing_as_the_dense_matrices_say() {
-    use stillpoint::statics::{Settings, Verdict, equilibrium};
+    use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
     for seed in 0..6 {
         let model = build(&frame(seed, 30));
         assert!(is_sparse(&model));
@@ -276,7 +276,7 @@ fn many_loops_rest_and_swing_as_the_dense_matrices_say() {
         let (left, values) = along_rows(&model, &found.position, &found.multipliers);
         assert!(left < 1e-8, "seed {seed}: {left}");
         let stability = found.stability.unwrap();
-        assert_eq!(stability.verdict, Verdict::Stable, "seed {seed}");
+        assert_eq!(stability.verdict, StabilityVerdict::Stable, "seed {seed}");
         assert!(values[0] > 0.0, "seed {seed}: {}", values[0]);
         let lowest: Vec<f64> = values.iter().take(8).map(|value| value.sqrt() / std::f64::consts::TAU).collect();
         let frequencies: Vec<f64> = stability.frequencies().take(8).collect();

@@ -7,7 +7,7 @@ use stillpoint::model::Model;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::rest::{Rest, TOLERANCE, rest};
-use stillpoint::statics::Verdict;
+use stillpoint::statics::StabilityVerdict;
 
 /// One falls over, one has a motor that winds, one is thrown through its change points, one is held by a lock of statics alone,
 /// one burns, one fires.
@@ -104,7 +104,7 @@ fn motions_that_cost_nothing_do_not_spoil_the_residual() {
     // The outer ring and the rotor may stand anywhere: the stiffness matrix is singular.
     let (scenario, model) = shipped("gyroscope_in_gimbals", &[]);
     let equilibrium = found(&scenario, &model);
-    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, Verdict::Neutral);
+    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, StabilityVerdict::Neutral);
     // Polished to round-off like every other.
     assert!(equilibrium.relative_residual < 1e-13, "{:e}", equilibrium.relative_residual);
 }

@@ -6,11 +6,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 use stillpoint::integrate::Method;
 use stillpoint::scenario::parse;
 use stillpoint::simulate::State;
-use stillpoint::statics::standing::Standing;
+use stillpoint::statics::standing::StandingReport;
 
 const G: f64 = 9.80665;
 
-fn standing(text: &str) -> Standing {
+fn standing(text: &str) -> StandingReport {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
     *answered(&scenario, read(text)).unwrap().found.standing.expect("there is contact")
 }
@@ -103,7 +103,7 @@ fn a_drum_tips_over_its_rim() {
         tilts.to_owned() + FLOOR + &cylinder("drum", [0.2, 0.5], [0.0, 0.0, height], turn, STILL) + &contact(friction)
     };
     let found = standing(&scene(turn, 0.25, 0.9));
-    let tilt = |found: &Standing, towards: &str| {
+    let tilt = |found: &StandingReport, towards: &str| {
         let margin = found.margins.tilt.iter().find(|(name, ..)| name == towards);
         margin.map_or_else(|| panic!("{:?}", found.margins.tilt), |(_, tilt, _)| *tilt)
     };

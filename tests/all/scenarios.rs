@@ -10,7 +10,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
 use stillpoint::simulate::{self, Start, State, Summary, run};
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -109,7 +109,7 @@ fn the_chain_of_twenty_hangs_from_any_guess() {
         let tip = found.poses[19] * Point3::new(0.1, 0.0, 0.0);
         near(tip.z, 0.5, 1e-9);
         near(tip.x, 0.0, 1e-7);
-        assert_eq!(found.stability.expect("an equilibrium").verdict, Verdict::Stable);
+        assert_eq!(found.stability.expect("an equilibrium").verdict, StabilityVerdict::Stable);
     }
 }
 
@@ -314,7 +314,7 @@ fn pencil_falls_as_fast_as_its_eigenvalue_says() {
     let (scenario, model) = shipped("pencil", &[]);
     let equilibrium = found(&scenario, &model);
     let stability = equilibrium.stability.expect("a verdict");
-    assert_eq!(stability.verdict, Verdict::Unstable);
+    assert_eq!(stability.verdict, StabilityVerdict::Unstable);
     // Round-off of some products.
     near(stability.modes[0].growth_rate, rate, 1e-12 * rate);
     let thrown =
@@ -349,7 +349,7 @@ fn carried(model: &Model, equilibrium: &Equilibrium, body: usize) -> (f64, Vecto
 fn calder_mobile_balances_every_arm() {
     let (scenario, model) = shipped("calder_mobile", &[]);
     let equilibrium = found(&scenario, &model);
-    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, Verdict::Stable);
+    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, StabilityVerdict::Stable);
     for (index, body) in model.bodies.iter().enumerate() {
         let hook = equilibrium.poses[index].translation.vector;
         let (mass, center) = carried(&model, &equilibrium, index);
@@ -453,7 +453,7 @@ fn spring_arm_needs_no_lock_to_keep_its_direction() {
 fn fan_holds_its_arm_where_weight_and_thrust_cancel() {
     let (scenario, model) = shipped("fan_pendulum", &[]);
     let equilibrium = found(&scenario, &model);
-    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, Verdict::Stable);
+    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, StabilityVerdict::Stable);
     // F l = (m_arm c + m_fan l) g sin θ, the thrust always across the arm.
     let angle = (4.0 * 0.8 / ((0.4 * 0.4 + 0.6 * 0.8) * G)).asin();
     near(equilibrium.position[0], angle, 1e-12);
@@ -730,7 +730,7 @@ fn arm_out_of_a_urdf_sags_by_its_weights() {
     let (scenario, model) = shipped("arm_from_urdf", &[]);
     assert_eq!(scenario.models.len(), 1);
     let found = found(&scenario, &model);
-    assert_eq!(found.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    assert_eq!(found.stability.as_ref().expect("an equilibrium").verdict, StabilityVerdict::Stable);
     let springs = [
         ("turret", 150.0, 0.0),
         ("upper_arm", 900.0, 0.5),
@@ -916,7 +916,7 @@ fn strands_of_the_bead_curtain_swing_alike() {
 fn load_hangs_in_the_bight_of_its_rope() {
     let (scenario, model) = shipped("rope_over_pulleys", &[]);
     let rest = found(&scenario, &model);
-    assert_eq!(rest.stability.as_ref().map(|stability| stability.verdict), Some(Verdict::Stable));
+    assert_eq!(rest.stability.as_ref().map(|stability| stability.verdict), Some(StabilityVerdict::Stable));
     // sin = 36 / (2 · 30), so the hook hangs 0.75 m below pulleys that are 1 m to either side.
     let [x, y, angle] = coordinates(&model, &rest.position, "load")[..] else { panic!("three coordinates") };
     near(x, 0.0, 1e-9);
@@ -971,7 +971,7 @@ fn quarter_car_sinks_by_its_curves() {
 fn the_suspension_bridge_hangs_on_a_parabola() {
     let (scenario, model) = shipped("suspension_bridge", &[]);
     let rest = found(&scenario, &model);
-    assert_eq!(rest.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    assert_eq!(rest.stability.as_ref().expect("an equilibrium").verdict, StabilityVerdict::Stable);
     let (plank, link, span, sag, distance) = (50.0 * G, 2.0 * G, 36.0, 4.5, 1.0);
     let pulls = |rest: &Equilibrium| -> Vec<f64> {
         let hangers = rest.loops.iter().filter(|one| one.name.starts_with("hanger"));
@@ -992,7 +992,7 @@ fn the_suspension_bridge_hangs_on_a_parabola() {
     let (scenario, model) = shipped("suspension_bridge", &["deck[9].mass=200"]);
     let loaded = found(&scenario, &model);
     assert!(loaded.iterations > 0, "it moves");
-    assert_eq!(loaded.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    assert_eq!(loaded.stability.as_ref().expect("an equilibrium").verdict, StabilityVerdict::Stable);
     let upward: f64 = loaded.reactions[0].force.z + loaded.reactions[36].force.z;
     let far: f64 = loaded.loops.iter().filter(|one| one.name.starts_with("far")).map(|one| one.force.z).sum();
     let weights = (35.0 * 50.0 + 200.0 + 36.0 * 2.0) * G;

@@ -9,7 +9,7 @@ use stillpoint::model::Model;
 use stillpoint::motion::Motion;
 use stillpoint::scenario::parse;
 use stillpoint::statics::settings::Margin;
-use stillpoint::statics::standing::{Standing, Unanswered, standing};
+use stillpoint::statics::standing::{StandingReport, Unanswered, standing};
 use stillpoint::statics::{Equilibrium, Settings};
 
 fn settled(text: &str) -> (Arc<Model>, Result<Equilibrium, Unanswered>) {
@@ -22,7 +22,7 @@ fn settled(text: &str) -> (Arc<Model>, Result<Equilibrium, Unanswered>) {
 }
 
 /// Judged anew, from the pose alone.
-fn judged(text: &str, pose: &[f64]) -> Standing {
+fn judged(text: &str, pose: &[f64]) -> StandingReport {
     let scenario = parse("scene.toml", text, &[]).unwrap();
     let model = Model::build(&scenario.description).unwrap();
     standing(&scenario.description, &model, &Settings::default(), &Margin::default(), pose).unwrap()

@@ -29,7 +29,7 @@ use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 /// Links of 0.2 m and 1 kg; their own x axis points along them, so zero angles are horizontal.
 fn chain(links: usize, kind: impl Fn(usize) -> HingeKind) -> Description {
@@ -89,7 +89,7 @@ fn chains_guessed_horizontal_hang_down() {
         let model = build(&chain(links, about_y));
         let found = find(&model, Want::Stable, &model.start_position);
         assert_hangs(&model, &found, links, &format!("{links} links"));
-        assert_eq!(found.stability.as_ref().unwrap().verdict, Verdict::Stable);
+        assert_eq!(found.stability.as_ref().unwrap().verdict, StabilityVerdict::Stable);
     }
 }
 
@@ -125,7 +125,7 @@ fn a_spherical_chain_hangs_down_and_is_neutral_about_its_own_axes() {
     assert_hangs(&model, &found, links, "spherical");
     let stability = found.stability.unwrap();
     // Every link may turn about the vertical.
-    assert_eq!((stability.verdict, stability.neutral_directions), (Verdict::Neutral, links));
+    assert_eq!((stability.verdict, stability.neutral_directions), (StabilityVerdict::Neutral, links));
 }
 
 /// Users complain that solvers move what is already balanced: the answer is the guess, bit for bit.
@@ -152,7 +152,7 @@ fn an_upright_chain_is_kept_or_left_as_wanted() {
     assert!(kept.converged);
     assert_eq!(kept.position, model.start_position);
     let stability = kept.stability.unwrap();
-    assert_eq!((stability.verdict, stability.unstable_directions), (Verdict::Unstable, links));
+    assert_eq!((stability.verdict, stability.unstable_directions), (StabilityVerdict::Unstable, links));
     let left = find(&model, Want::Stable, &model.start_position);
     assert_hangs(&model, &left, links, "from upright");
     assert!(left.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", left.notes);

@@ -4,16 +4,16 @@ use super::super::frame::{self, at, px};
 use super::super::palette::{BLUE, GREEN, Theme, VERMILION, range, tick};
 use super::super::plot::draw::with_unit;
 use super::Followed;
-use crate::statics::Verdict;
+use crate::statics::StabilityVerdict;
 use crate::statics::path::{EventKind, PathPoint};
 use plotters::element::IntoDynElement;
 use plotters::prelude::*;
 
-fn color(verdict: Verdict) -> RGBColor {
+fn color(verdict: StabilityVerdict) -> RGBColor {
     match verdict {
-        Verdict::Stable => BLUE,
-        Verdict::Unstable => VERMILION,
-        Verdict::Neutral => GREEN,
+        StabilityVerdict::Stable => BLUE,
+        StabilityVerdict::Unstable => VERMILION,
+        StabilityVerdict::Neutral => GREEN,
     }
 }
 
@@ -34,9 +34,9 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
         let (area, mut legend) = frame::with_legend(root, theme);
         let axes: [frame::Axis<'_>; 2] = [(&names[0], &|x| tick(*x, across)), (&names[1], &|y| tick(*y, up))];
         let mut chart = frame::linear(&area, theme, &title, (across, up), axes)?;
-        for verdict in [Verdict::Stable, Verdict::Unstable, Verdict::Neutral] {
+        for verdict in [StabilityVerdict::Stable, StabilityVerdict::Unstable, StabilityVerdict::Neutral] {
             let style = color(verdict).stroke_width(px(2));
-            let dashes = (verdict == Verdict::Unstable).then_some((8, 5));
+            let dashes = (verdict == StabilityVerdict::Unstable).then_some((8, 5));
             let all = runs(followed, verdict);
             for run in &all {
                 let line: Vec<(f64, f64)> = run.iter().map(|point| place(point)).collect();
@@ -76,7 +76,7 @@ fn mark<'a>(kind: EventKind, place: (i32, i32)) -> frame::Element<'a> {
 }
 
 /// Stretches of neighbouring points of one kind; where the kind changes, both stretches reach the point between.
-fn runs(followed: &Followed, verdict: Verdict) -> Vec<Vec<&PathPoint>> {
+fn runs(followed: &Followed, verdict: StabilityVerdict) -> Vec<Vec<&PathPoint>> {
     let mut all = Vec::new();
     for branch in &followed.path.branches {
         // A branch begins in the bifurcation it leaves from.

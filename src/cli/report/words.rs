@@ -5,16 +5,16 @@ use super::material::Material;
 use serde_json::Value;
 
 /// What a report says first.
-pub(in crate::cli) struct Verdict {
+pub(in crate::cli) struct Headline {
     pub(in crate::cli) text: String,
     /// Whether it is what was asked for.
     pub(in crate::cli) fine: bool,
 }
 
-pub(in crate::cli) fn verdict(material: &Material) -> Verdict {
+pub(in crate::cli) fn verdict(material: &Material) -> Headline {
     let Material { statics, outcome, .. } = material;
     if let Some(error) = outcome["error"].as_str() {
-        return Verdict { text: format!("The run could not go on: {error}"), fine: false };
+        return Headline { text: format!("The run could not go on: {error}"), fine: false };
     }
     let mut text = match (statics["balanced"].as_bool(), statics["stability"].as_str()) {
         (None, _) => "The start was given".to_owned(),
@@ -26,7 +26,7 @@ pub(in crate::cli) fn verdict(material: &Material) -> Verdict {
         let state = if outcome["interrupted"] == true { "stopped at" } else { "simulated" };
         text += &format!("; {state} {} s", number(end));
     }
-    Verdict { text, fine: statics.is_null() || statics["converged"] == true }
+    Headline { text, fine: statics.is_null() || statics["converged"] == true }
 }
 
 fn capital(word: &str) -> String {

@@ -46,7 +46,7 @@ struct Face {
 
 /// A boundary where its shape stands.
 #[derive(Debug, Clone)]
-pub struct Standing<'a> {
+pub struct PlacedBoundary<'a> {
     pub(super) of: &'a Boundary,
     pub(super) vertices: Vec<Vector3<f64>>,
     pub(super) pose: Isometry3<f64>,
@@ -135,9 +135,9 @@ impl Boundary {
     }
 
     /// The boundary where its shape stands.
-    pub fn standing(&self, pose: &Isometry3<f64>) -> Standing<'_> {
+    pub fn standing(&self, pose: &Isometry3<f64>) -> PlacedBoundary<'_> {
         let vertices = self.vertices.iter().map(|v| pose.translation.vector + pose.rotation * v).collect();
-        Standing { of: self, vertices, pose: *pose }
+        PlacedBoundary { of: self, vertices, pose: *pose }
     }
 }
 
@@ -165,7 +165,7 @@ fn rim(triangles: &[[usize; 3]]) -> Vec<usize> {
     corners
 }
 
-impl Standing<'_> {
+impl PlacedBoundary<'_> {
     pub(super) fn ends(&self, edge: u16) -> [Vector3<f64>; 2] {
         self.of.edges[usize::from(edge)].map(|i| self.vertices[i])
     }
@@ -245,8 +245,8 @@ impl Near {
 
 /// Two edges, with radii about them.
 pub(super) fn crossing(
-    a: &Standing<'_>,
-    b: &Standing<'_>,
+    a: &PlacedBoundary<'_>,
+    b: &PlacedBoundary<'_>,
     [one, other]: [u16; 2],
     radii: [f64; 2],
     near: &Near,
@@ -295,7 +295,7 @@ impl Meeting {
 }
 
 /// Normal of a face, the foot of a point on it, and how far that is inside.
-pub(super) fn on_face(of: &Standing<'_>, face: u16, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
+pub(super) fn on_face(of: &PlacedBoundary<'_>, face: u16, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
     let (normal, on) = of.plane_of(face);
     let foot = point - normal * normal.dot(&(point - on));
     let inside = if of.of.plane.is_some() { f64::INFINITY } else { of.inside(face, &foot) };

@@ -1,11 +1,11 @@
 //! Which pairs of features of two solids there are, and how each pair stands: points, segments and polytopes here, cylinders in `rim`.
 
-use super::feature::{Feature, Meeting, Near, Standing, crossing, on_edge, on_face};
+use super::feature::{Feature, Meeting, Near, PlacedBoundary, crossing, on_edge, on_face};
 use super::rim;
 use nalgebra::Vector3;
 
 /// All pairs of features of two solids that may be nearest to each other: faces first, then edges, then vertices.
-pub fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
+pub fn pairs(a: &PlacedBoundary<'_>, b: &PlacedBoundary<'_>) -> Vec<[Feature; 2]> {
     if a.of.rim + b.of.rim > 0.0 {
         return rim::pairs(a, b);
     }
@@ -28,7 +28,7 @@ pub fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
 }
 
 /// How two features stand to each other; `None` if they have no normal, and for pairs that are found not to be `near` early.
-pub fn meeting(a: &Standing<'_>, b: &Standing<'_>, features: [Feature; 2], near: &Near) -> Option<Meeting> {
+pub fn meeting(a: &PlacedBoundary<'_>, b: &PlacedBoundary<'_>, features: [Feature; 2], near: &Near) -> Option<Meeting> {
     if a.of.rim + b.of.rim > 0.0 {
         return rim::meeting(a, b, features, near);
     }

@@ -17,7 +17,7 @@
 //! (2) has no limit as the disc comes to lie flat: there points that are fixed to the rim take over, as corners of a polygon. Rims that meet
 //! edges, or each other askew, are no features here.
 
-use super::feature::{Feature, Meeting, Near, PARALLEL, Rim, Standing, TILTED, crossing, on_edge, on_face};
+use super::feature::{Feature, Meeting, Near, PARALLEL, PlacedBoundary, Rim, TILTED, crossing, on_edge, on_face};
 use nalgebra::Vector3;
 
 /// Points that are fixed to each rim.
@@ -32,7 +32,7 @@ const NONE: f64 = 1e-9;
 const ALONG: f64 = 1e-3;
 
 /// Pairs of features of two solids of which one, at least, is a cylinder.
-pub(super) fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
+pub(super) fn pairs(a: &PlacedBoundary<'_>, b: &PlacedBoundary<'_>) -> Vec<[Feature; 2]> {
     let mut all = Vec::new();
     if a.of.rim > 0.0 {
         of_cylinder(a, b, |mine, other| all.push([mine, other]));
@@ -47,10 +47,10 @@ pub(super) fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
     all
 }
 
-fn of_cylinder(own: &Standing<'_>, other: &Standing<'_>, mut put: impl FnMut(Feature, Feature)) {
+fn of_cylinder(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, mut put: impl FnMut(Feature, Feature)) {
     let ends = || (0..2).map(Feature::Vertex);
-    let corners = |of: &Standing<'_>| if of.of.rim > 0.0 { 2 + 2 * CORNERS } else { of.vertices.len() as u16 };
-    let vertices = |of: &Standing<'_>| (0..corners(of)).map(Feature::Vertex);
+    let corners = |of: &PlacedBoundary<'_>| if of.of.rim > 0.0 { 2 + 2 * CORNERS } else { of.vertices.len() as u16 };
+    let vertices = |of: &PlacedBoundary<'_>| (0..corners(of)).map(Feature::Vertex);
     (0..2).for_each(|face| vertices(other).for_each(|vertex| put(Feature::Face(face), vertex)));
     other.face_list().for_each(|face| vertices(own).for_each(|vertex| put(vertex, face)));
     other.edge_list().for_each(|edge| put(Feature::Edge(0), edge));
@@ -64,7 +64,12 @@ fn of_cylinder(own: &Standing<'_>, other: &Standing<'_>, mut put: impl FnMut(Fea
 }
 
 /// How two features stand to each other; `None` if they have no normal.
-pub(super) fn meeting(a: &Standing<'_>, b: &Standing<'_>, [one, other]: [Feature; 2], near: &Near) -> Option<Meeting> {
+pub(super) fn meeting(
+    a: &PlacedBoundary<'_>,
+    b: &PlacedBoundary<'_>,
+    [one, other]: [Feature; 2],
+    near: &Near,
+) -> Option<Meeting> {
     if a.of.rim > 0.0
         && let Some(found) = of(a, b, [one, other], near)
     {
@@ -87,7 +92,7 @@ fn swapped(meeting: Meeting) -> Meeting {
 }
 
 /// A pair whose first feature is of a cylinder.
-fn of(own: &Standing<'_>, other: &Standing<'_>, features: [Feature; 2], near: &Near) -> Option<Meeting> {
+fn of(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, features: [Feature; 2], near: &Near) -> Option<Meeting> {
     let none = Vector3::zeros();
     let about = if other.of.rim > 0.0 { other.of.rim } else { other.of.radius };
     match features {
@@ -151,18 +156,22 @@ fn of(own: &Standing<'_>, other: &Standing<'_>, features: [Feature; 2], near: &N
 }
 
 /// Unit vector along a cylinder.
-fn axis(of: &Standing<'_>) -> Vector3<f64> {
+fn axis(of: &PlacedBoundary<'_>) -> Vector3<f64> {
     of.pose.rotation * Vector3::z()
 }
 
 /// The outward normal of a face.
-fn cap(of: &Standing<'_>, face: u16) -> Vector3<f64> {
+fn cap(of: &PlacedBoundary<'_>, face: u16) -> Vector3<f64> {
     if face == 0 { -axis(of) } else { axis(of) }
 }
 
 /// A point of a rim that may touch a face along a unit vector towards that: the lowest of an end (0 and 1), or one that is fixed to it. With
 /// that come [`Meeting::flat`], and how far the other end is before the face.
-fn corner(of: &Standing<'_>, vertex: u16, towards: &Vector3<f64>) -> Option<(Vector3<f64>, Option<Rim>, f64, f64)> {
+fn corner(
+    of: &PlacedBoundary<'_>,
+    vertex: u16,
+    towards: &Vector3<f64>,
+) -> Option<(Vector3<f64>, Option<Rim>, f64, f64)> {
     let along = axis(of);
     let (low, high) = (of.vertices[0], of.vertices[1]);
     let tilt = along.cross(towards).norm();
@@ -186,7 +195,7 @@ fn corner(of: &Standing<'_>, vertex: u16, towards: &Vector3<f64>) -> Option<(Vec
 }
 
 impl Rim {
-    fn new(of: &Standing<'_>, out: Vector3<f64>, tilt: f64) -> Self {
+    fn new(of: &PlacedBoundary<'_>, out: Vector3<f64>, tilt: f64) -> Self {
         Self { arm: out * of.of.rim, tangent: axis(of).cross(&out), tilt }
     }
 }

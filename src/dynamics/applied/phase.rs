@@ -1,7 +1,7 @@
 //! What compliant stops and dry friction of hinges push with in the phase of a run.
 //!
 //! ```text
-//! (1)  pushing     τ_i −= side · (k d + c ḋ),   d the depth beyond a limit;   until it would pull
+//! (1)  pushing     τ_i −= s · (k d + c ḋ),   d the depth beyond a limit;   until it would pull
 //! (2)  sliding     τ −= f_slide u,   u = v / |v|;   P = f_slide |v|
 //! (3)  slowly      u = v / v₀ + (1 − |v| / v₀) u₀   below a speed v₀ of spherical hinges,   u₀ the direction at the end of the last step
 //! ```
@@ -13,7 +13,7 @@
 //! equal to (2) as long as the direction stays.
 
 use crate::model::contact::HingeFriction;
-use crate::model::{Model, Side};
+use crate::model::{Model, StopSide};
 use nalgebra::Vector3;
 
 /// What dry friction of a hinge does.
@@ -31,7 +31,7 @@ pub enum Rubbing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// Compliant stops that push.
-    pub pushing: Vec<Side>,
+    pub pushing: Vec<StopSide>,
     /// What dry friction does, per hinge coordinate that has it, in the order of [`Model::hinge_friction`].
     pub rubbing: Vec<Rubbing>,
     /// `v₀` of (3) (rad/s); 0 for none.
@@ -49,17 +49,17 @@ pub fn rate_of(friction: &HingeFriction, v: &[f64]) -> Vector3<f64> {
 impl Phase {
     /// Room for the stops and the dry friction of a model.
     pub fn new(model: &Model) -> Self {
-        let pushing = Vec::with_capacity(model.stops.iter().flat_map(|stop| stop.signs()).count());
+        let pushing = Vec::with_capacity(model.stops.iter().flat_map(|stop| stop.sides()).count());
         Self { pushing, rubbing: vec![Rubbing::Sticks; model.hinge_friction.len()], slow: 0.0 }
     }
 
     /// Whether a compliant stop pushes.
-    pub fn pushes(&self, side: Side) -> bool {
+    pub fn pushes(&self, side: StopSide) -> bool {
         self.pushing.contains(&side)
     }
 
     /// A compliant stop pushes from now on, or no longer.
-    pub fn push(&mut self, side: Side, pushes: bool) {
+    pub fn push(&mut self, side: StopSide, pushes: bool) {
         self.pushing.retain(|other| *other != side);
         if pushes {
             self.pushing.push(side);
@@ -70,7 +70,7 @@ impl Phase {
     pub fn apply(&self, model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
         for side in &self.pushing {
             let stop = &model.stops[side.stop];
-            tau[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
+            tau[stop.velocity] -= side.at.sign() * stop.push(side.at, q, v);
         }
         for (friction, rubbing) in model.hinge_friction.iter().zip(&self.rubbing) {
             match *rubbing {

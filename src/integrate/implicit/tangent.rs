@@ -21,11 +21,11 @@ const SLOW: f64 = 0.3;
 /// At most one factorized tangent, held by the problem, and what is known of its quality.
 #[derive(Debug, Default)]
 pub(crate) struct TangentCache {
-    held: Option<Held>,
+    held: Option<CachedTangent>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct CachedTangent {
     /// What it was made for.
     shift: Shift,
     /// Made for the step now tried.
@@ -82,7 +82,7 @@ impl TangentCache {
         self.held = None;
         statistics.jacobian_evaluations += 1;
         problem.factorize(at, shift.c1, shift.c2).map_err(Limit::Failure)?;
-        self.held = Some(Held { shift, fresh: true, slow: false, served: 0 });
+        self.held = Some(CachedTangent { shift, fresh: true, slow: false, served: 0 });
         Ok(())
     }
 

@@ -48,16 +48,16 @@ impl Pace {
 }
 
 /// Events over which their pace is taken, per side of a stop and one more.
-const TURNS: u64 = 500;
+const EVENTS: u64 = 500;
 /// A pace that would meet more events than this up to the end is too fast.
-const MOST_TURNS: f64 = 1e8;
+const MOST_EVENTS: f64 = 1e8;
 /// A run is given up after so many times the pace was too fast, one after the other: bounces that accumulate end before, but
 /// for those that give back all but less than a thousandth of their speed.
 const PATIENCE: u32 = 25;
 
 /// The pace of the last events that changed how a run goes on.
 #[derive(Debug)]
-pub(in crate::simulate) struct Turns {
+pub(in crate::simulate) struct EventPace {
     window: u64,
     count: u64,
     /// When they began (s).
@@ -75,10 +75,10 @@ pub(in crate::simulate) struct Storm {
     pub(in crate::simulate) span: f64,
 }
 
-impl Turns {
+impl EventPace {
     /// Of a scene whose stops have so many sides: many of them have many events at once.
     pub(in crate::simulate) fn new(sides: usize) -> Self {
-        Self { window: TURNS * (1 + sides as u64), count: 0, since: 0.0, fast: 0 }
+        Self { window: EVENTS * (1 + sides as u64), count: 0, since: 0.0, fast: 0 }
     }
 
     /// Looks at the time (s) of an event; tells if the `end` is out of reach.
@@ -89,7 +89,7 @@ impl Turns {
         }
         let (count, span) = (self.count, time - self.since);
         (self.count, self.since) = (0, time);
-        let fast = count as f64 * (end - time) > MOST_TURNS * span;
+        let fast = count as f64 * (end - time) > MOST_EVENTS * span;
         self.fast = if fast { self.fast + 1 } else { 0 };
         (self.fast >= PATIENCE).then_some(Storm { count, span })
     }
@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn events_are_given_up_on_if_they_take_no_time_and_only_then() {
         let storm = |events: i32, time_of: &dyn Fn(i32) -> f64| {
-            let mut turns = Turns::new(1);
-            (0..events).find_map(|i| turns.see(time_of(i), 10.0))
+            let mut pace = EventPace::new(1);
+            (0..events).find_map(|i| pace.see(time_of(i), 10.0))
         };
         assert_eq!(storm(100_000, &|i| 1e-5 * f64::from(i)), None);
         // A ball that gives back all but a thousandth of its speed, until that is 1e-7 of what it was.

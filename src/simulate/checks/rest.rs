@@ -14,7 +14,7 @@ use crate::simulate::entry::run;
 use crate::simulate::error::RunError;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
-use crate::statics::{Equilibrium, Verdict, outputs};
+use crate::statics::{Equilibrium, StabilityVerdict, outputs};
 use std::sync::Arc;
 
 /// A hinge that moved further than this did not rest (m or rad).
@@ -153,7 +153,7 @@ struct Push {
 
 impl Push {
     fn of(model: &Model, equilibrium: &Equilibrium) -> Option<Self> {
-        let stability = equilibrium.stability.as_ref().filter(|s| s.verdict == Verdict::Unstable)?;
+        let stability = equilibrium.stability.as_ref().filter(|s| s.verdict == StabilityVerdict::Unstable)?;
         let mode = stability.modes.iter().max_by(|a, b| a.growth_rate.total_cmp(&b.growth_rate))?;
         let mut shape = vec![0.0; model.velocity_count()];
         let free = (0..shape.len()).filter(|i| !model.coordinates[*i].lock);

@@ -4,7 +4,7 @@
 use super::Contacts;
 use crate::contact::frame::{self, Column};
 use crate::contact::hinges::Support;
-use crate::dynamics::System;
+use crate::dynamics::Factorized;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Trees with more coordinates than this are answered row by row.
@@ -27,16 +27,16 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    pub(super) fn new(contacts: &Contacts, system: &mut System, q: &[f64], v: &[f64], supports: &[Support]) -> Self {
+    pub(super) fn new(contacts: &Contacts, mass: &mut Factorized<'_>, supports: &[Support]) -> Self {
         let trees = &contacts.trees;
         let mut parts: Vec<Vec<Part>> = supports.iter().map(|support| split(&support.columns, trees)).collect();
         if trees.largest <= LARGE {
-            let inverse = Inverses::new(system, q, v, trees);
+            let inverse = Inverses::new(mass, trees);
             for part in parts.iter_mut().flatten() {
                 part.answers = &inverse.of[part.tree] * part.rows.transpose();
             }
         } else {
-            let full = frame::responses_to(system, q, v, supports.iter().map(|support| &support.columns));
+            let full = frame::responses_to(mass, supports.iter().map(|support| &support.columns));
             for (parts, full) in parts.iter_mut().zip(&full) {
                 for part in parts {
                     let own = &trees.all[part.tree];
@@ -102,14 +102,15 @@ pub(super) struct Inverses<'a> {
 }
 
 impl<'a> Inverses<'a> {
-    /// From unit forces on one coordinate of all trees at once, at the last factorization.
-    pub(super) fn new(system: &mut System, q: &[f64], v: &[f64], trees: &'a Trees) -> Self {
+    /// From unit forces on one coordinate of all trees at once.
+    pub(super) fn new(mass: &mut Factorized<'_>, trees: &'a Trees) -> Self {
         let mut of: Vec<DMatrix<f64>> = trees.all.iter().map(|own| DMatrix::zeros(own.len(), own.len())).collect();
-        let (mut impulse, mut change) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+        let n = mass.system().model().velocity_count();
+        let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
         for k in 0..trees.largest {
             impulse.fill(0.0);
             trees.all.iter().filter_map(|own| own.get(k)).for_each(|i| impulse[*i] = 1.0);
-            frame::respond(system, q, v, &impulse, &mut change);
+            mass.answer_impulse(&impulse, &mut change);
             for (own, inverse) in trees.all.iter().zip(&mut of).filter(|(own, _)| own.len() > k) {
                 own.iter().enumerate().for_each(|(row, i)| inverse[(row, k)] = change[*i]);
             }

@@ -11,15 +11,15 @@
 //! is bounded in (2). The method has order 1; a step and its two
 //! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
-use super::Contacts;
 use super::blocks::Blocks;
+use super::{Contacts, Regime};
 use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{self, Frame, along};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::Key;
 use crate::dynamics::applied::Rubbing;
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Factorized, Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
@@ -71,11 +71,16 @@ pub(super) struct Memory {
 }
 
 impl Memory {
+    /// Of steps that begin anew: how many there have been and how long the last one was stays.
+    pub(super) fn restart(&mut self) {
+        *self = Self { steps: self.steps, step: self.step, ..Self::default() };
+    }
+
     /// Contacts that pushed in the last step, and with what.
     pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> {
         self.forces.iter().filter_map(|(id, force)| match id {
             Id::Contact(key) => Some((key, force)),
-            Id::Stop(..) | Id::Friction(_) => None,
+            Id::Stop(_) | Id::Friction(_) => None,
         })
     }
 }
@@ -253,16 +258,6 @@ impl Motion {
 }
 
 impl Contacts {
-    /// Lets captured steps take over.
-    pub(in crate::simulate) fn capture(&mut self) {
-        let (steps, step) = (self.memory.steps, self.memory.step);
-        self.memory = Memory { steps, step, ..Memory::default() };
-        self.capturing = true;
-        self.closed.clear();
-        self.frames.clear();
-        self.resting = false;
-    }
-
     /// The couple that has sunk deepest in the last place, and how far, in parts of its size.
     pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
         let near = self.pairs.near(&vec![0.0; self.pairs.pieces.len()]).into_iter();
@@ -286,7 +281,7 @@ impl Contacts {
 
     /// Lets events go on: what captured steps have brought together is closed.
     pub(in crate::simulate) fn end_capture(&mut self) {
-        self.capturing = false;
+        self.regime = Regime::Events;
         self.closing = CLOSES;
     }
 
@@ -301,26 +296,26 @@ impl Contacts {
         // Dry friction and rigid stops that press are followed by captured steps alone.
         let hinges = self.memory.active.iter().any(|id| !matches!(id, Id::Contact(_)));
         let hinges = hinges || !self.model.hinge_friction.is_empty();
-        self.capturing && few && !hinges && self.memory.calm >= CALM && time >= self.until
+        self.is_captured() && few && !hinges && self.memory.calm >= CALM && time >= self.stretch.until
     }
 
     /// Whether nothing has moved for some captured steps.
     pub(in crate::simulate) fn is_still(&self) -> bool {
-        self.capturing && self.memory.still >= 3
+        self.is_captured() && self.memory.still >= 3
     }
 
     /// Adds what the forces of the last captured step do to accelerations, and hands them to the system.
-    pub(super) fn carry(&mut self, system: &mut System, q: &[f64], v: &[f64], a: &mut [f64]) {
-        let motion = system.at(system.time(), q, v);
-        frame::carried(motion.motion(), &self.model, &mut self.carried);
-        self.pairs.place(motion.motion());
-        let mut push = vec![0.0; v.len()];
+    pub(super) fn carry(&mut self, mass: &mut Factorized<'_>, a: &mut [f64]) {
+        let motion = mass.motion();
+        frame::carried(motion, &self.model, &mut self.carried);
+        self.pairs.place(motion);
+        let mut push = vec![0.0; a.len()];
         let mut wrenches = Vec::new();
         for (id, force) in &self.memory.forces {
             let key = match id {
                 Id::Contact(key) => key,
-                Id::Stop(stop, sign) => {
-                    push[self.model.stops[*stop].velocity] += sign * force.x;
+                Id::Stop(side) => {
+                    push[self.model.stops[side.stop].velocity] -= side.at.sign() * force.x;
                     continue;
                 }
                 Id::Friction(index) => {
@@ -330,17 +325,17 @@ impl Contacts {
                 }
             };
             let Some(meeting) = self.pairs.meeting(key) else { continue };
-            let frame = Frame::new(&self.model, motion.motion(), &self.pairs, &self.carried, *key, meeting, None);
+            let frame = Frame::new(&self.model, motion, &self.pairs, &self.carried, *key, meeting, None);
             frame.push(&frame.basis.tr_mul(force), &mut push);
             wrenches.push((frame.links, meeting.point, *force));
         }
-        let mut change = vec![0.0; v.len()];
-        frame::respond(system, q, v, &push, &mut change);
+        let mut change = vec![0.0; a.len()];
+        mass.answer_impulse(&push, &mut change);
         a.iter_mut().zip(&change).for_each(|(a, change)| *a += change);
-        if self.resting {
+        if self.is_at_rest() {
             a.fill(0.0);
         }
-        wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(system, links, &point, &force));
+        wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(mass, links, &point, &force));
     }
 
     /// What may bear within a step: contacts, and rigid stops and dry friction of hinges.
@@ -360,7 +355,7 @@ impl Contacts {
     fn restitution(&self, support: &Support) -> f64 {
         match support.id {
             Id::Contact(key) => self.law(key.couple).law.restitution(),
-            Id::Stop(stop, _) => self.model.stops[stop].law.restitution(),
+            Id::Stop(side) => self.model.stops[side.stop].law.restitution(),
             Id::Friction(_) => 0.0,
         }
     }
@@ -392,7 +387,7 @@ fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>>
         Id::Contact(key) => {
             forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
         }
-        Id::Stop(..) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
+        Id::Stop(_) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
     };
     let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
     forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
@@ -410,14 +405,15 @@ fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    motion.system.at_without_contact(time + 0.5 * h, &position, v).accelerations(&mut velocity)?;
+    let Motion { contacts, system, .. } = motion;
+    let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
-    let Motion { contacts: Some(contacts), system, .. } = motion else {
+    let Some(contacts) = contacts else {
         return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, opposed: 0.0, raised: 0.0, found: true });
     };
-    let frames = contacts.ahead(system.at(time + 0.5 * h, &position, v).motion(), h);
+    let frames = contacts.ahead(mass.motion(), h);
     let supports = contacts.supports(&frames, &position, v);
-    let blocks = Blocks::new(contacts, system, &position, v, &supports);
+    let blocks = Blocks::new(contacts, &mut mass, &supports);
     let longest = LONGEST * contacts.model.time_scale();
     let way = |support: &Support| {
         if support.gap > 0.0 { 2.0 * support.gap / h } else { RISES * support.gap / h.max(longest) }

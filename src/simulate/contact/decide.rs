@@ -2,10 +2,10 @@
 
 use super::impact::FOUND;
 use super::watch::BEYOND;
-use super::{Closed, Contacts, GAP, Mode, STRAIGHT, Trouble};
+use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Factorized, Fault, System};
 use crate::simulate::events::Kind;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
@@ -23,7 +23,7 @@ const PARALLEL: f64 = 1e-6;
 const ALIKE: f64 = 0.5;
 /// Turns of the directions of slips that begin.
 const MOST_TURNS: usize = 20;
-/// Sweeps of the cone problem until its modes are tried, more of them each time: they may be right long before its forces are.
+/// Sweeps of the cone problem until the states of its contacts are tried, more of them each time: they may be right long before its forces are.
 const SWEEPS: [usize; 3] = [200, 5_000, 50_000];
 /// The whole scene rests if nothing accelerates by more than this part of the scene's own acceleration: what forces within cones balance.
 const STILL: f64 = 1e-8;
@@ -63,14 +63,13 @@ impl Contacts {
         at_limit: bool,
     ) -> Result<Changed, Trouble> {
         let before = self.told();
-        self.resting = false;
+        self.regime = Regime::Events;
         let mut changed = Changed::default();
         let mut struck: Vec<usize> = Vec::new();
         for round in 0.. {
             self.lift(system, time, state)?;
-            let frames = self.meet(system, time, state)?;
-            let rigid: Vec<Frame> = frames.into_iter().filter(|frame| self.is_rigid(frame.key.couple)).collect();
-            let frames = rigid;
+            let (frames, mut mass) = self.meet(system, time, state)?;
+            let frames: Vec<Frame> = frames.into_iter().filter(|frame| self.is_rigid(frame.key.couple)).collect();
             if !frames.iter().any(|frame| self.approaches(frame)) {
                 break;
             }
@@ -79,7 +78,8 @@ impl Contacts {
                 let why = format!("{MOST_ROUNDS} rounds of impacts at one instant leave them approaching");
                 return Err(Trouble::Undecided { between: self.between(worst), why });
             }
-            let impacts = self.strike(system, state, &frames)?;
+            let answers = responses(&mut mass, &frames);
+            let impacts = self.strike(&frames, &answers, &mut state.velocity)?;
             changed.lost += impacts.lost;
             changed.struck = true;
             for impact in impacts.all {
@@ -87,7 +87,7 @@ impl Contacts {
                 changed.told.push(self.say(Kind::Strikes, impact.couple, impact.speed));
             }
         }
-        let frames = self.meet(system, time, state)?;
+        let (frames, _) = self.meet(system, time, state)?;
         if 3 * frames.len() > super::MOST_ROWS {
             let why = format!("{} contacts are too many", frames.len());
             return Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why });
@@ -111,18 +111,24 @@ impl Contacts {
         Told { kind, between: self.between(couple), rule: self.pairs.couples[couple].rule, speed }
     }
 
-    /// All that touches, the system being factorized there.
-    fn meet(&mut self, system: &mut System, time: f64, state: &State) -> Result<Vec<Frame>, Fault> {
+    /// All that touches, and the mass matrix there.
+    fn meet<'a>(
+        &mut self,
+        system: &'a mut System,
+        time: f64,
+        state: &'a State,
+    ) -> Result<(Vec<Frame>, Factorized<'a>), Fault> {
         let mut a = vec![0.0; state.velocity.len()];
-        system.at_without_contact(time, &state.position, &state.velocity).accelerations(&mut a)?;
-        Ok(self.touching(system, time, state))
+        let at = system.at_without_contact(time, &state.position, &state.velocity);
+        let mass = at.into_accelerations(&mut a)?;
+        Ok((self.touching(mass.motion()), mass))
     }
 
     /// Brings what touches to gaps of zero.
     fn lift(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
         let length = self.model.length_scale();
         for _ in 0..6 {
-            let frames = self.meet(system, time, state)?;
+            let (frames, mut mass) = self.meet(system, time, state)?;
             let gaps: Vec<f64> = frames.iter().map(|frame| frame.meeting.gap).collect();
             // What parts may stay open; what is compliant is where it is.
             let off = |(gap, frame): (&f64, &Frame)| match self.is_rigid(frame.key.couple) {
@@ -135,7 +141,7 @@ impl Contacts {
                 break;
             }
             self.frames = frames;
-            let by = self.lifted(system, &state.position, &state.velocity, &off);
+            let by = self.lifted(&mut mass, &off);
             System::displace(&self.model, &mut state.position, &by);
         }
         Ok(())
@@ -147,19 +153,19 @@ impl Contacts {
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
             // Between two steps rows are met to the accuracy of the interpolation only.
-            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.mode == Mode::Stick);
+            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.state == ContactState::Stick);
             let slow = if undisturbed && stuck { self.kept } else { self.slow };
             let friction = self.law(frame.key.couple).friction;
-            let mode = match slip.norm() > slow {
-                _ if friction.stick == 0.0 => Mode::Slip(Vector3::zeros()),
-                true => Mode::Slip(slip.normalize()),
-                false => Mode::Stick,
+            let state = match slip.norm() > slow {
+                _ if friction.stick == 0.0 => ContactState::Slip(Vector3::zeros()),
+                true => ContactState::Slip(slip.normalize()),
+                false => ContactState::Stick,
             };
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
             let (straight, across, pushes) = (false, 0.0, self.bears(frame));
-            Closed { key: frame.key, mode, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
+            Closed { key: frame.key, state, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
         });
         self.closed = closed.collect();
     }
@@ -167,26 +173,26 @@ impl Contacts {
     /// Takes from velocities what closed contacts do not allow, all of it below the speed of rest.
     fn hold(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
         let mut a = vec![0.0; state.velocity.len()];
-        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.choose(system, &state.position, &state.velocity);
+        let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+        self.choose(&mut mass);
         self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
     }
 
-    /// The modes of closed contacts, by one cone problem on accelerations.
+    /// The states of closed contacts, by one cone problem on accelerations.
     fn decide(&mut self, system: &mut System, time: f64, state: &mut State, less: f64) -> Result<(), Trouble> {
         if self.closed.is_empty() {
             return Ok(());
         }
         let mut a = vec![0.0; state.velocity.len()];
-        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.press_springs(system, &state.position, &state.velocity, &mut a);
+        let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+        self.press_springs(&mut mass, &mut a);
         let mut frames = self.frames.clone();
         // Of what is compliant the normal force is known.
         for frame in frames.iter_mut().filter(|frame| !self.is_rigid(frame.key.couple)) {
             frame.columns[0].clear();
             frame.bias.x = 0.0;
         }
-        let answers = responses(system, &state.position, &state.velocity, &frames);
+        let answers = responses(&mut mass, &frames);
         let rates: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
         let problem = problem(&frames, &answers, rates, self.laws(&frames, less));
@@ -211,7 +217,7 @@ impl Contacts {
         Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why })
     }
 
-    /// Reads modes off an answer.
+    /// Reads the states of contacts off an answer.
     fn read(&mut self, touching: &[Closed], frames: &[Frame], found: &Answer, size: f64) {
         // What has not been found yet slips if it does so clearly.
         let slips = if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) } * size;
@@ -220,18 +226,18 @@ impl Contacts {
         for (k, closed) in touching.iter().enumerate() {
             let (force, rate, mut closed) = (found.forces[k], found.rates[k], closed.clone());
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
-            closed.mode = match (found.states[k], closed.mode) {
-                (_, mode) if !self.is_rigid(closed.key.couple) => mode,
+            closed.state = match (found.states[k], closed.state) {
+                (_, state) if !self.is_rigid(closed.key.couple) => state,
                 (Did::Open, _) if rate.x > slips => continue,
-                (Did::Open, _) => Mode::Spare,
-                (Did::Stick, _) => Mode::Stick,
-                (Did::Slip, _) if frictionless => Mode::Slip(Vector3::zeros()),
-                (Did::Slip, Mode::Slip(direction)) => Mode::Slip(direction),
-                (Did::Slip, _) if rate.yz().norm() <= slips => Mode::Stick,
+                (Did::Open, _) => ContactState::Spare,
+                (Did::Stick, _) => ContactState::Stick,
+                (Did::Slip, _) if frictionless => ContactState::Slip(Vector3::zeros()),
+                (Did::Slip, ContactState::Slip(direction)) => ContactState::Slip(direction),
+                (Did::Slip, _) if rate.yz().norm() <= slips => ContactState::Stick,
                 (Did::Slip, _) => {
                     let across = |x: Vector3<f64>| frames[k].basis.column(1) * x.y + frames[k].basis.column(2) * x.z;
                     let direction = (-across(force)).try_normalize(0.0).or_else(|| across(rate).try_normalize(0.0));
-                    Mode::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
+                    ContactState::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
                 }
             };
             let sprung = self.sprung(&closed, &frames[k]);
@@ -253,8 +259,8 @@ impl Contacts {
                 continue;
             }
             let own: Vec<usize> = (at..self.closed.len()).filter(|i| self.closed[*i].key.couple == couple).collect();
-            let slip = |i: &usize| match self.closed[*i].mode {
-                Mode::Slip(direction) if direction != Vector3::zeros() => Some(direction),
+            let slip = |i: &usize| match self.closed[*i].state {
+                ContactState::Slip(direction) if direction != Vector3::zeros() => Some(direction),
                 _ => None,
             };
             let directions: Vec<Vector3<f64>> = own.iter().filter_map(slip).collect();
@@ -264,7 +270,7 @@ impl Contacts {
             let straight = directions.iter().all(|direction| (direction - mean).norm() <= near);
             for i in own {
                 let closed = &mut self.closed[i];
-                if let Mode::Slip(direction) = &mut closed.mode
+                if let ContactState::Slip(direction) = &mut closed.state
                     && straight
                     && *direction != Vector3::zeros()
                 {
@@ -289,7 +295,7 @@ impl Contacts {
             let ends = last || moves || !(friction > 0.0);
             for closed in self.closed.iter_mut().filter(|closed| closed.straight && closed.key.couple == couple) {
                 closed.straight = !ends;
-                if let Mode::Slip(direction) = &mut closed.mode
+                if let ContactState::Slip(direction) = &mut closed.state
                     && !ends
                 {
                     let sideways = closed.meeting.normal.cross(direction);
@@ -299,14 +305,14 @@ impl Contacts {
         }
     }
 
-    /// Whether the rows of the modes give forces within their cones and let nothing sink that is open.
+    /// Whether the rows of these states give forces within their cones and let nothing sink that is open.
     fn fits(&mut self, system: &mut System, state: &State, frames: &[Frame], size: f64) -> Result<bool, Fault> {
         let (time, q, v) = (system.time(), &state.position, &state.velocity);
         let mut a = vec![0.0; v.len()];
         for turn in 0..=MOST_TURNS + 1 {
-            self.refresh(system, time, q, v, &mut a)?;
-            self.choose(system, q, v);
-            self.correct(system, q, v, &mut a)?;
+            let mut mass = self.refresh(system, time, q, v, &mut a)?;
+            self.choose(&mut mass);
+            self.correct(&mut mass, &mut a);
             let bent = self.bent();
             if bent <= 1e-3 * STRAIGHT && (bent <= 1e-13 || turn == MOST_TURNS) {
                 break;
@@ -350,9 +356,9 @@ impl Contacts {
         }
     }
 
-    /// Whether nothing moves and nothing accelerates: the whole scene rests from now on if nothing changes with time. Its
-    /// velocities are zero then.
-    pub(in crate::simulate) fn comes_to_rest(&mut self, state: &mut State, a: &[f64]) -> bool {
+    /// Lets the whole scene rest from now on, with velocities of zero, if nothing moves and nothing accelerates. For scenes in which
+    /// nothing changes with time.
+    pub(in crate::simulate) fn rest_if_still(&mut self, state: &mut State, a: &[f64]) {
         let (length, span) = (self.model.length_scale(), self.model.time_scale());
         let rests = self.model.links.iter().skip(1).all(|link| {
             let unit = if link.joint.is_distance() { length } else { 1.0 };
@@ -362,8 +368,7 @@ impl Contacts {
         });
         if rests && !self.closed.is_empty() {
             state.velocity.fill(0.0);
-            self.resting = true;
+            self.regime = Regime::Resting;
         }
-        self.resting
     }
 }

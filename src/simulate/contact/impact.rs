@@ -11,9 +11,7 @@
 
 use super::{Contacts, Trouble};
 use crate::contact::cone::{Answer, Law};
-use crate::contact::frame::{Frame, problem, responses};
-use crate::dynamics::System;
-use crate::simulate::state::State;
+use crate::contact::frame::{Frame, problem};
 use nalgebra::Vector3;
 
 /// Impacts one after the other at one instant; then all at once, without restitution.
@@ -47,18 +45,18 @@ impl Contacts {
         frame.speed.x < -self.rest
     }
 
-    /// (1) at all of `frames`, which belong to the state; the system is factorized there.
+    /// (1) at all of `frames`, whose `answers` are those of [`responses`](crate::contact::frame::responses): what becomes of the
+    /// velocities `v`.
     ///
     /// # Errors
     /// A problem without a solution that can be certified.
     pub(super) fn strike(
         &mut self,
-        system: &mut System,
-        state: &mut State,
         frames: &[Frame],
+        answers: &[[Vec<f64>; 3]],
+        v: &mut [f64],
     ) -> Result<Impacts, Trouble> {
         let mut done = Impacts::default();
-        let answers = responses(system, &state.position, &state.velocity, frames);
         let mut speeds: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.speed).collect();
         let bounces = |frame: &Frame| self.law(frame.key.couple).law.restitution() > 0.0;
         let mut couples: Vec<usize> = frames.iter().map(|frame| frame.key.couple).collect();
@@ -71,7 +69,7 @@ impl Contacts {
             let taking: Vec<usize> =
                 (0..frames.len()).filter(|i| all || frames[*i].key.couple == frames[worst].key.couple).collect();
             let part = if impact == MOST_IMPACTS { 0.0 } else { 1.0 };
-            let found = self.strike_at(frames, &answers, &speeds, &taking, part)?;
+            let found = self.strike_at(frames, answers, &speeds, &taking, part)?;
             for i in &taking {
                 if speeds[*i].x < -self.rest
                     && !done.all[..].iter().rev().take(taking.len()).any(|b| all && b.couple == frames[*i].key.couple)
@@ -82,7 +80,7 @@ impl Contacts {
                     }
                 }
             }
-            let mut change = vec![0.0; state.velocity.len()];
+            let mut change = vec![0.0; v.len()];
             for (k, i) in taking.iter().enumerate() {
                 for c in 0..3 {
                     change.iter_mut().zip(&answers[*i][c]).for_each(|(to, x)| *to += found.forces[k][c] * x);
@@ -92,7 +90,7 @@ impl Contacts {
             speeds.iter_mut().zip(frames).for_each(|(speed, frame)| *speed += frame.rates(&change));
             let each = taking.iter().zip(&found.forces);
             done.lost -= each.map(|(i, force)| 0.5 * force.dot(&(before[*i] + speeds[*i]))).sum::<f64>();
-            state.velocity.iter_mut().zip(&change).for_each(|(v, x)| *v += x);
+            v.iter_mut().zip(&change).for_each(|(v, x)| *v += x);
             if all {
                 break;
             }

@@ -16,6 +16,16 @@
 //! **The direction of slip** turns at a rate that grows without bound as the slip gets slower: `|u| φ̇ = a_⊥`, with `a_⊥` what accelerates
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
 //! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `rows` | (1): accelerations with the rows of closed contacts, and states kept on them |
+//! | `decide` | an instant: impacts, what touches afterwards, and the state of each contact |
+//! | `impact` | what approaching bodies do to their velocities |
+//! | `watch` | (2): the numbers whose change of sign is an event |
+//! | `spring` | compliant contacts |
+//! | `capture` | steps that capture all events of an instant |
+//! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
 mod blocks;
 mod capture;
@@ -25,12 +35,12 @@ mod rows;
 mod spring;
 mod watch;
 
-use super::state::State;
 use crate::contact::frame::{self, Frame};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::{Key, LOOSE, Pairs, Untouchable};
-use crate::dynamics::{Fault, System};
+use crate::dynamics::Fault;
 use crate::model::Model;
+use crate::motion::Motion;
 use crate::record::ContactPush;
 use crate::spatial::link::LinkAcceleration;
 pub(super) use capture::Capture;
@@ -56,9 +66,31 @@ const BUSY: f64 = 1.0 / 3.0;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
+/// How contacts of a run are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Regime {
+    /// From event to event: closed contacts are rows.
+    Events,
+    /// By captured steps.
+    Captured,
+    /// Nothing moves and nothing will, as closed contacts hold everything: accelerations are zero, not rounding.
+    Resting,
+    /// Nothing moves and nothing will, by the forces of the last captured step.
+    Frozen,
+}
+
+/// Captured steps that follow each other.
+#[derive(Debug, Clone, Copy, Default)]
+struct Stretch {
+    /// They do not end before (s).
+    until: f64,
+    /// From their beginning to that (s).
+    length: f64,
+}
+
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mode {
+pub(super) enum ContactState {
     /// No relative motion of what touches: it rests, or rolls.
     Stick,
     /// It slips in this direction, inertial axes, or has no friction (zero).
@@ -71,7 +103,7 @@ pub(super) enum Mode {
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
     key: Key,
-    pub(super) mode: Mode,
+    pub(super) state: ContactState,
     /// Its first tangent when it was closed.
     axis: Vector3<f64>,
     /// The gap that is kept (m).
@@ -95,8 +127,9 @@ pub(super) struct Contacts {
     model: Arc<Model>,
     pairs: Pairs,
     pub(super) closed: Vec<Closed>,
-    /// Nothing moves and nothing will: the accelerations are zero, not rounding.
-    pub(super) resting: bool,
+    regime: Regime,
+    /// The last stretch of captured steps.
+    stretch: Stretch,
     /// Below these a speed is none across and along the normal (m/s).
     slow: f64,
     rest: f64,
@@ -108,7 +141,7 @@ pub(super) struct Contacts {
     frames: Vec<Frame>,
     /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
     last: (DMatrix<f64>, DVector<f64>),
-    /// Rows of the mode that are linearly independent.
+    /// Rows of closed contacts in their states that are linearly independent.
     independent: Vec<usize>,
     /// How far forces are within their cones in the last place, once that is asked for.
     reserve: OnceCell<f64>,
@@ -117,11 +150,6 @@ pub(super) struct Contacts {
     pub(super) impacts: usize,
     /// Velocity coordinates of trees that contacts alone tie to each other.
     trees: blocks::Trees,
-    /// Whether captured steps are at work, and until when at least (s).
-    pub(super) capturing: bool,
-    until: f64,
-    /// The last span of theirs (s).
-    span: f64,
     memory: capture::Memory,
     /// Times of the last events (s), and how many steps had been accepted.
     recent: VecDeque<(f64, usize)>,
@@ -155,7 +183,8 @@ impl Contacts {
             gaps: vec![OnceCell::new(); pairs.couples.len()],
             pairs,
             closed: Vec::new(),
-            resting: false,
+            regime: Regime::Events,
+            stretch: Stretch::default(),
             slow: SLOW * speed,
             rest: 4.0 * (2.0 * acceleration * RISE * model.length_scale()).sqrt(),
             scale: mass * acceleration,
@@ -167,9 +196,6 @@ impl Contacts {
             reserve: OnceCell::new(),
             impacts: 0,
             trees: blocks::Trees::new(model),
-            capturing: false,
-            until: 0.0,
-            span: 0.0,
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
             accepted: 0,
@@ -182,15 +208,27 @@ impl Contacts {
         self.rest = self.rest.max(speed);
     }
 
+    /// Whether captured steps are at work.
+    pub(super) fn is_captured(&self) -> bool {
+        self.regime == Regime::Captured
+    }
+
+    /// Whether nothing moves and nothing will.
+    pub(super) fn is_at_rest(&self) -> bool {
+        matches!(self.regime, Regime::Resting | Regime::Frozen)
+    }
+
+    /// Whether forces are those of the last captured step.
+    fn follows_steps(&self) -> bool {
+        matches!(self.regime, Regime::Captured | Regime::Frozen)
+    }
+
     fn law(&self, couple: usize) -> &crate::model::ContactRule {
         &self.model.contacts[self.pairs.couples[couple].rule]
     }
 
-    /// The frames of closed contacts at the place of a system.
-    fn stand(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
-        let time = system.time();
-        let at = system.at(time, q, v);
-        let motion = at.motion();
+    /// The frames of closed contacts in one place.
+    fn stand(&mut self, motion: &Motion) {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         self.frames.clear();
@@ -206,9 +244,7 @@ impl Contacts {
     }
 
     /// Frames of all contacts that touch in a place: those that were closed and still count, and those whose gap is none.
-    fn touching(&mut self, system: &mut System, time: f64, state: &State) -> Vec<Frame> {
-        let at = system.at(time, &state.position, &state.velocity);
-        let motion = at.motion();
+    fn touching(&mut self, motion: &Motion) -> Vec<Frame> {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let mut found: Vec<(Key, Meeting)> = Vec::new();
@@ -248,8 +284,8 @@ impl Contacts {
     /// The couples that bear and whether one of their contacts slips, with the relative spin.
     fn told(&self) -> Vec<(usize, bool)> {
         let mut told: Vec<(usize, bool)> = Vec::new();
-        for closed in self.closed.iter().filter(|closed| closed.mode != Mode::Spare) {
-            let slips = matches!(closed.mode, Mode::Slip(direction) if direction != Vector3::zeros());
+        for closed in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
+            let slips = matches!(closed.state, ContactState::Slip(direction) if direction != Vector3::zeros());
             match told.iter_mut().find(|(couple, _)| *couple == closed.key.couple) {
                 Some((_, any)) => *any |= slips,
                 None => told.push((closed.key.couple, slips)),
@@ -268,9 +304,9 @@ impl Contacts {
             force: force.into(),
             slips,
         };
-        if !self.capturing && !self.closed.is_empty() {
-            let bears = self.closed.iter().filter(|closed| closed.mode != Mode::Spare);
-            let slips = |closed: &Closed| matches!(closed.mode, Mode::Slip(_));
+        if !self.follows_steps() && !self.closed.is_empty() {
+            let bears = self.closed.iter().filter(|closed| closed.state != ContactState::Spare);
+            let slips = |closed: &Closed| matches!(closed.state, ContactState::Slip(_));
             out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
             return;
         }
@@ -279,7 +315,7 @@ impl Contacts {
             let normal = meeting.normal.dot(force);
             let across = (force - meeting.normal * normal).norm();
             let limit = self.law(key.couple).friction.slide * normal;
-            out.push(push(key.couple, &meeting, *force, !self.resting && across >= limit * (1.0 - 1e-6)));
+            out.push(push(key.couple, &meeting, *force, !self.is_at_rest() && across >= limit * (1.0 - 1e-6)));
         }
     }
 
@@ -291,14 +327,23 @@ impl Contacts {
     /// Events could not go on at a time (s): captured steps do for a while.
     pub(super) fn capture_from(&mut self, time: f64) {
         let brief = BRIEF * self.model.time_scale();
+        let Stretch { until, length } = self.stretch;
         // Twice as long as the last time, if that is not long ago.
-        let again = time - self.until < 10.0 * self.span;
-        self.span = if again { 2.0 * self.span } else { 5.0 * brief };
-        self.until = time + self.span;
+        let length = if time - until < 10.0 * length { 2.0 * length } else { 5.0 * brief };
+        self.stretch = Stretch { until: time + length, length };
         self.recent.clear();
+        self.memory.restart();
+        self.follow_steps(Regime::Captured);
     }
 
-    /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
+    /// Forces are those of captured steps from now on.
+    fn follow_steps(&mut self, regime: Regime) {
+        self.regime = regime;
+        self.closed.clear();
+        self.frames.clear();
+    }
+
+    /// Takes note of an event; true if events come too often, or too much touches, to go on by them: captured steps do.
     pub(super) fn note_event(&mut self, time: f64) -> bool {
         self.recent.push_back((time, self.accepted));
         let brief = BRIEF * self.model.time_scale();
@@ -306,7 +351,7 @@ impl Contacts {
             self.recent.pop_front();
         }
         let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
-        let crowd = crowd && !self.resting;
+        let crowd = crowd && !self.is_at_rest();
         let (since, steps) = self.recent[0];
         let busy = self.closed.len() > CROWD && BUSY * ((self.accepted - steps + STORM) as f64) < STORM as f64;
         let storm = self.recent.len() >= STORM && (busy || time - since < brief);
@@ -318,10 +363,7 @@ impl Contacts {
 
     /// Nothing moves any more: captured steps have found forces that hold everything.
     pub(super) fn freeze(&mut self) {
-        self.capturing = false;
-        self.closed.clear();
-        self.frames.clear();
-        self.resting = true;
+        self.follow_steps(Regime::Frozen);
     }
 
     /// The length of a captured step where one was last (s).

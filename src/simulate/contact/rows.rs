@@ -1,10 +1,10 @@
 //! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
 
 use super::blocks::Inverses;
-use super::{Closed, Contacts, Mode};
-use crate::contact::frame::{Frame, along, respond};
+use super::{Closed, ContactState, Contacts};
+use crate::contact::frame::{Frame, along};
 use crate::contact::support::{Cone, slack};
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Factorized, Fault, System};
 use crate::spatial::Wrench;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::cell::OnceCell;
@@ -26,7 +26,7 @@ struct Row {
 impl Contacts {
     /// The direction in which a contact slips.
     fn direction(&self, closed: &Closed) -> Vector3<f64> {
-        let Mode::Slip(held) = closed.mode else { return Vector3::zeros() };
+        let ContactState::Slip(held) = closed.state else { return Vector3::zeros() };
         let (slip, speed) = (closed.slip, closed.slip.norm());
         let n = closed.meeting.normal;
         let flat = (held - n * n.dot(&held)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
@@ -41,12 +41,12 @@ impl Contacts {
         for (of, (closed, frame)) in self.closed.iter().zip(&self.frames).enumerate() {
             let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
             let rigid = self.is_rigid(closed.key.couple);
-            match closed.mode {
-                Mode::Spare => {}
+            match closed.state {
+                ContactState::Spare => {}
                 // Its spring presses.
                 _ if !rigid => {}
-                Mode::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
-                Mode::Slip(_) => {
+                ContactState::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
+                ContactState::Slip(_) => {
                     let friction = self.law(closed.key.couple).friction.slide;
                     let d = frame.flat(&self.direction(closed));
                     add(Vector3::x(), Vector3::new(1.0, -friction * d.x, -friction * d.y));
@@ -61,34 +61,25 @@ impl Contacts {
     }
 
     /// Adds to accelerations of the system without contact what closed contacts push; keeps their forces.
-    ///
-    /// # Errors
-    /// A system that cannot be evaluated.
-    pub(in crate::simulate) fn correct(
-        &mut self,
-        system: &mut System,
-        q: &[f64],
-        v: &[f64],
-        a: &mut [f64],
-    ) -> Result<(), Fault> {
-        if self.capturing || self.resting && self.closed.is_empty() {
-            self.carry(system, q, v, a);
-            return Ok(());
+    pub(in crate::simulate) fn correct(&mut self, mass: &mut Factorized<'_>, a: &mut [f64]) {
+        if self.follows_steps() {
+            self.carry(mass, a);
+            return;
         }
-        self.stand(system, q, v);
+        self.stand(mass.motion());
         let rows = self.rows();
         self.reserve.take();
         self.gaps.iter_mut().for_each(|gap| *gap = OnceCell::new());
         self.closed.iter_mut().for_each(|closed| (closed.force, closed.across) = (Vector3::zeros(), 0.0));
-        self.press_springs(system, q, v, a);
+        self.press_springs(mass, a);
         if rows.is_empty() {
-            if self.resting {
+            if self.is_at_rest() {
                 a.fill(0.0);
             }
-            self.press(system);
-            return Ok(());
+            self.press(mass);
+            return;
         }
-        let answers = self.answers(system, q, v, &rows);
+        let answers = self.answers(mass, &rows);
         let rates = rows.iter().map(|row| {
             let frame = &self.frames[row.of];
             -(frame.rates(a) + frame.bias).dot(&row.measures)
@@ -104,24 +95,24 @@ impl Contacts {
                 closed.across = *force;
             }
         }
-        if self.resting {
+        if self.is_at_rest() {
             a.fill(0.0);
         }
-        self.press(system);
-        Ok(())
+        self.press(mass);
     }
 
     /// Hands the forces to the system, so that reactions and powers have them.
-    fn press(&self, system: &mut System) {
+    fn press(&self, mass: &mut Factorized<'_>) {
         for (frame, closed) in self.frames.iter().zip(&self.closed) {
-            press(system, frame.links, &frame.meeting.point, &closed.force);
+            press(mass, frame.links, &frame.meeting.point, &closed.force);
         }
     }
 
-    /// Decides which rows of the mode are linearly independent, in the last place: by pivots of `R M⁻¹ Rᵀ`, the largest first.
-    pub(super) fn choose(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
+    /// Decides which rows of closed contacts are linearly independent, by pivots of `R M⁻¹ Rᵀ`, the largest first; frames are those of
+    /// the place.
+    pub(super) fn choose(&mut self, mass: &mut Factorized<'_>) {
         let rows = self.kept_rows();
-        let answers = self.answers(system, q, v, &rows);
+        let answers = self.answers(mass, &rows);
         self.independent = pivots(&self.matrix(&rows, &answers));
     }
 
@@ -135,12 +126,13 @@ impl Contacts {
     }
 
     /// `M⁻¹ Pᵀ`.
-    fn answers(&self, system: &mut System, q: &[f64], v: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
+    fn answers(&self, mass: &mut Factorized<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
         let pushed = |row: &Row, impulse: &mut [f64]| self.frames[row.of].push(&row.pushes, impulse);
-        let mut impulse = vec![0.0; v.len()];
+        let n = self.model.velocity_count();
+        let mut impulse = vec![0.0; n];
         if self.trees.largest < rows.len() {
             // M⁻¹ by trees takes fewer solutions than rows.
-            let inverse = Inverses::new(system, q, v, &self.trees);
+            let inverse = Inverses::new(mass, &self.trees);
             let answer = |row| {
                 impulse.fill(0.0);
                 pushed(row, &mut impulse);
@@ -151,8 +143,8 @@ impl Contacts {
         let answer = |row| {
             impulse.fill(0.0);
             pushed(row, &mut impulse);
-            let mut change = vec![0.0; v.len()];
-            respond(system, q, v, &impulse, &mut change);
+            let mut change = vec![0.0; n];
+            mass.answer_impulse(&impulse, &mut change);
             change
         };
         rows.iter().map(answer).collect()
@@ -179,34 +171,33 @@ impl Contacts {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<bool, Fault> {
-        if self.closed.is_empty() || self.resting {
+        if self.closed.is_empty() || self.is_at_rest() {
             return Ok(false);
         }
         let mut scratch = vec![0.0; v.len()];
         let mut moved = false;
         for _ in 0..MOST_ROUNDS {
-            let off = {
-                self.refresh(system, time, q, v, &mut scratch)?;
-                let off = |(closed, frame): (&Closed, &Frame)| match closed.mode {
-                    Mode::Spare => 0.0,
-                    _ if !self.is_rigid(closed.key.couple) => 0.0,
-                    _ => frame.meeting.gap - closed.gap,
-                };
-                self.closed.iter().zip(&self.frames).map(off).collect::<Vec<_>>()
+            let mut mass = self.refresh(system, time, q, v, &mut scratch)?;
+            let off = |(closed, frame): (&Closed, &Frame)| match closed.state {
+                ContactState::Spare => 0.0,
+                _ if !self.is_rigid(closed.key.couple) => 0.0,
+                _ => frame.meeting.gap - closed.gap,
             };
+            let off: Vec<f64> = self.closed.iter().zip(&self.frames).map(off).collect();
             let size = self.model.length_scale();
             if !off.iter().any(|off| off.abs() > 1e-13 * size) {
                 break;
             }
             moved = true;
-            let by = self.lifted(system, q, v, &off);
+            let by = self.lifted(&mut mass, &off);
             System::displace(&self.model, q, &by);
         }
         let rows = self.kept_rows();
         let speeds: Vec<f64> = rows.iter().map(|row| self.frames[row.of].speed.dot(&row.measures)).collect();
         let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
-            let answers = self.answers(system, q, v, &rows);
+            // After the last round it is that of the place before.
+            let answers = self.answers(&mut system.factorized_beside(q, v), &rows);
             let rates = DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u));
             let change = self.solve(&self.matrix(&rows, &answers), &rates);
             for (answer, f) in answers.iter().zip(change.iter()) {
@@ -218,17 +209,17 @@ impl Contacts {
     }
 
     /// Frames and a factorization at a state.
-    pub(super) fn refresh(
+    pub(super) fn refresh<'a>(
         &mut self,
-        system: &mut System,
+        system: &'a mut System,
         time: f64,
-        q: &[f64],
-        v: &[f64],
+        q: &'a [f64],
+        v: &'a [f64],
         a: &mut [f64],
-    ) -> Result<(), Fault> {
-        system.at_without_contact(time, q, v).accelerations(a)?;
-        self.stand(system, q, v);
-        Ok(())
+    ) -> Result<Factorized<'a>, Fault> {
+        let mass = system.at_without_contact(time, q, v).into_accelerations(a)?;
+        self.stand(mass.motion());
+        Ok(mass)
     }
 
     /// Rows that velocities have to meet: symmetric ones.
@@ -239,14 +230,14 @@ impl Contacts {
     }
 
     /// The shortest displacement, in the metric of the inertia, that takes these gaps away.
-    pub(super) fn lifted(&self, system: &mut System, q: &[f64], v: &[f64], gaps: &[f64]) -> Vec<f64> {
+    pub(super) fn lifted(&self, mass: &mut Factorized<'_>, gaps: &[f64]) -> Vec<f64> {
         let e = Vector3::x();
         let rigid = |of: &usize| self.is_rigid(self.frames[*of].key.couple);
         let rows: Vec<Row> = (0..gaps.len()).filter(rigid).map(|of| Row { of, measures: e, pushes: e }).collect();
-        let answers = self.answers(system, q, v, &rows);
+        let answers = self.answers(mass, &rows);
         let ways = DVector::from_iterator(rows.len(), rows.iter().map(|row| -gaps[row.of]));
         let found = shortest(&self.matrix(&rows, &answers), &ways);
-        let mut by = vec![0.0; v.len()];
+        let mut by = vec![0.0; self.model.velocity_count()];
         for (answer, f) in answers.iter().zip(found.iter()) {
             by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);
         }
@@ -272,13 +263,13 @@ impl Contacts {
         let mut cones = Vec::new();
         for row in &rows {
             let closed = &self.closed[row.of];
-            match closed.mode {
-                Mode::Stick if row.measures.x != 0.0 => {
+            match closed.state {
+                ContactState::Stick if row.measures.x != 0.0 => {
                     cones.push(Cone::Coulomb { friction: self.law(closed.key.couple).friction.stick });
                 }
-                Mode::Stick | Mode::Spare => {}
-                Mode::Slip(_) if row.measures.x == 0.0 => cones.push(Cone::Free),
-                Mode::Slip(_) => cones.push(Cone::Ray),
+                ContactState::Stick | ContactState::Spare => {}
+                ContactState::Slip(_) if row.measures.x == 0.0 => cones.push(Cone::Free),
+                ContactState::Slip(_) => cones.push(Cone::Ray),
             }
         }
         slack(&equations, &right.collect::<Vec<_>>(), &cones).map(|(slack, _)| slack)
@@ -302,10 +293,10 @@ fn pivots(matrix: &DMatrix<f64>) -> Vec<usize> {
 }
 
 /// A force on the second of two links at a point, and its opposite on the first.
-pub(super) fn press(system: &mut System, links: [usize; 2], point: &Vector3<f64>, force: &Vector3<f64>) {
+pub(super) fn press(mass: &mut Factorized<'_>, links: [usize; 2], point: &Vector3<f64>, force: &Vector3<f64>) {
     for (link, sign) in links.into_iter().zip([-1.0, 1.0]) {
-        let (at, force) = (system.links()[link].position, force * sign);
-        system.pressed()[link] += Wrench { force, moment: (point - at).cross(&force) };
+        let (at, force) = (mass.motion().links[link].position, force * sign);
+        mass.press(link, Wrench { force, moment: (point - at).cross(&force) });
     }
 }
 

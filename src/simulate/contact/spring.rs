@@ -11,10 +11,10 @@
 //! its spring holds there is lost.
 
 use super::{Closed, Contacts};
-use crate::contact::frame::{Frame, respond};
+use crate::contact::frame::Frame;
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::DEEPER;
-use crate::dynamics::System;
+use crate::dynamics::{Factorized, System};
 use crate::model::StopLaw;
 use nalgebra::Vector3;
 
@@ -64,18 +64,18 @@ impl Contacts {
     }
 
     /// Adds what springs of closed contacts do to accelerations, and keeps their forces.
-    pub(super) fn press_springs(&mut self, system: &mut System, q: &[f64], v: &[f64], a: &mut [f64]) {
+    pub(super) fn press_springs(&mut self, mass: &mut Factorized<'_>, a: &mut [f64]) {
         if !self.closed.iter().any(|closed| !self.is_rigid(closed.key.couple)) {
             return;
         }
-        let mut push = vec![0.0; v.len()];
+        let mut push = vec![0.0; a.len()];
         for at in 0..self.closed.len() {
             let force = Vector3::x() * self.sprung(&self.closed[at], &self.frames[at]);
             self.frames[at].push(&force, &mut push);
             self.closed[at].force += self.frames[at].basis * force;
         }
-        let mut change = vec![0.0; v.len()];
-        respond(system, q, v, &push, &mut change);
+        let mut change = vec![0.0; a.len()];
+        mass.answer_impulse(&push, &mut change);
         a.iter_mut().zip(&change).for_each(|(a, change)| *a += change);
     }
 

@@ -1,6 +1,6 @@
 //! Numbers whose change of sign is an event of contact.
 
-use super::{Closed, Contacts, GAP, Mode, STRAIGHT};
+use super::{Closed, ContactState, Contacts, GAP, STRAIGHT};
 use crate::contact::cone::Law;
 use crate::contact::frame::Frame;
 use crate::contact::pairs::{DEEPER, LOOSE};
@@ -30,16 +30,17 @@ pub(in crate::simulate) enum Aspect {
 pub(super) const BEYOND: f64 = 1e-8;
 
 impl Contacts {
-    /// What there is to watch in the mode.
+    /// What there is to watch in the regime, with contacts in their states.
     pub(in crate::simulate) fn aspects(&self) -> Vec<Aspect> {
-        if self.capturing || self.resting && self.closed.is_empty() {
+        if self.follows_steps() {
             return Vec::new();
         }
         let mut aspects: Vec<Aspect> = (0..self.pairs.couples.len()).map(Aspect::Gap).collect();
         if !self.closed.is_empty() {
             aspects.extend([Aspect::Reserve, Aspect::Inside]);
         }
-        let slips = |at: usize| matches!(self.closed[at].mode, Mode::Slip(direction) if direction != Vector3::zeros());
+        let slips =
+            |at: usize| matches!(self.closed[at].state, ContactState::Slip(direction) if direction != Vector3::zeros());
         aspects.extend(self.closed.iter().any(|closed| closed.straight).then_some(Aspect::Straight));
         aspects.extend((0..self.closed.len()).filter(|at| slips(*at)).map(Aspect::Slip));
         for at in (0..self.closed.len()).filter(|at| !self.is_rigid(self.closed[*at].key.couple)) {
@@ -75,7 +76,7 @@ impl Contacts {
             Aspect::Depth(at) => [-self.closed[at].meeting.gap, -self.frames[at].speed.x],
             Aspect::Slip(at) => {
                 let closed = &self.closed[at];
-                let Mode::Slip(held) = closed.mode else { return [1.0, 0.0] };
+                let ContactState::Slip(held) = closed.state else { return [1.0, 0.0] };
                 [closed.slip.dot(&held), 0.0]
             }
         }
@@ -123,7 +124,7 @@ impl Contacts {
         self.pairs.meetings(couple, 0.0, f64::INFINITY, |meeting| {
             let is_closed = self.closed.iter().any(|closed| {
                 closed.key.couple == couple
-                    && closed.mode != Mode::Spare
+                    && closed.state != ContactState::Spare
                     && (closed.key.features == meeting.features
                         || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
             });
@@ -144,12 +145,12 @@ impl Contacts {
     }
 
     fn look(&self) -> f64 {
-        let bears = |closed: &&Closed| closed.mode != Mode::Spare && closed.pushes;
+        let bears = |closed: &&Closed| closed.state != ContactState::Spare && closed.pushes;
         let each = self.closed.iter().filter(bears).map(|closed| {
             let n = closed.meeting.normal.dot(&closed.force);
             let across = (closed.force - closed.meeting.normal * n).norm();
             let friction = self.law(closed.key.couple).friction.stick;
-            if closed.mode == Mode::Stick { n.min(friction * n - across) } else { n }
+            if closed.state == ContactState::Stick { n.min(friction * n - across) } else { n }
         });
         let least = each.fold(f64::INFINITY, f64::min) / self.scale;
         if least < 0.0 { self.best().map_or(least, |best| best.max(least)) } else { least }
@@ -183,7 +184,7 @@ impl Contacts {
         for at in 0..self.closed.len() {
             let friction = self.law(self.closed[at].key.couple).friction.slide;
             let closed = &mut self.closed[at];
-            let (Mode::Slip(direction), speed) = (&mut closed.mode, closed.slip.norm()) else { continue };
+            let (ContactState::Slip(direction), speed) = (&mut closed.state, closed.slip.norm()) else { continue };
             if *direction == Vector3::zeros() || closed.straight || speed == 0.0 {
                 continue;
             }

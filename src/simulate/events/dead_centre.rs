@@ -3,7 +3,7 @@
 //! There the rows are linearly dependent, and without the drive they are not. A run that fails next to one says which drive it
 //! is: steps that shrink, or loops that cannot be closed, only tell what follows from it.
 
-use crate::dynamics::{Mode, System};
+use crate::dynamics::{RowSelection, System};
 use crate::model::Model;
 use crate::simulate::RunError;
 use crate::simulate::state::State;
@@ -29,7 +29,7 @@ pub(in crate::simulate) fn beside(error: RunError, model: &Arc<Model>, time: f64
 }
 
 fn is_held_up(model: &Arc<Model>, drive: usize, time: f64, state: &State) -> bool {
-    let without = System::in_mode(model, &Mode::without_drive(drive), time, &state.position);
+    let without = System::with_rows(model, &RowSelection::without_drive(drive), time, &state.position);
     clearance(System::new(model), time, state) < NEXT_TO * clearance(without, time, state)
 }
 

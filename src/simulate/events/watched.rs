@@ -30,8 +30,11 @@ impl Events {
         }
         match function {
             Function::Contact(_) => 0.0,
-            Function::End(end) => model.curve_ends[end].sign * self.state.velocity[model.curve_ends[end].velocity],
-            Function::Depth(side) => side.sign * self.state.velocity[model.stops[side.stop].velocity],
+            Function::End(end) => {
+                let end = &model.curve_ends[end];
+                end.side.sign() * self.state.velocity[end.velocity]
+            }
+            Function::Depth(side) => side.at.sign() * self.state.velocity[model.stops[side.stop].velocity],
             Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Breakaway(_) => 0.0,
             Function::User(event) => {
                 Some(self.speed(motion, event, time)).filter(|speed| !speed.is_nan()).unwrap_or(0.0)
@@ -84,9 +87,9 @@ impl Events {
         let State { position, velocity } = &self.state;
         match function {
             Function::Contact(_) => 0.0,
-            Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
+            Function::Depth(side) => model.stops[side.stop].depth(side.at, position),
             Function::End(end) => model.curve_ends[end].beyond(position),
-            Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
+            Function::Push(side) => model.stops[side.stop].push(side.at, position, velocity),
             Function::Reserve(held) => self.reserves[held],
             Function::Speed(index) => {
                 let friction = &model.hinge_friction[index];

@@ -132,8 +132,7 @@ impl Bordered {
         self.at.a.copy_from_slice(at.a);
         if self.sparse.is_some() {
             let mut here = system.at(at.time, at.q, at.v);
-            here.accelerations(&mut self.x)?;
-            here.drop_weak_multipliers(weak, &mut self.weak);
+            here.accelerations(&mut self.x)?.drop_weak_multipliers(weak, &mut self.weak);
             if !self.weak.contains(&true) {
                 self.border = None;
                 return self.factorize_with_rows(system, shift);
@@ -169,7 +168,7 @@ impl Bordered {
         for (row, weighted) in border.gradient.chunks_exact(n).zip(border.weighted.chunks_exact_mut(n)) {
             mass.solve_mass(row, weighted);
         }
-        here.drop_weak_multipliers(self.clearance, &mut self.weak);
+        mass.drop_weak_multipliers(self.clearance, &mut self.weak);
         let regular = here.factorize_tangent(&mut self.tree, a, &with)?;
         here.constraint_rates(a, &mut self.base)?;
         border.responses.copy_from_slice(&border.gradient);

@@ -55,8 +55,7 @@ fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
     for stop in &model.stops {
         let value = start.position[stop.position];
         let slack = ON_THE_LIMIT * value.abs().max(1.0);
-        let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        if beyond && stop.is_rigid() {
+        if stop.passed(value, slack).is_some() && stop.is_rigid() {
             let hinge = model.bodies[stop.body].name.clone();
             return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
         }

@@ -27,7 +27,7 @@ impl Run<'_, '_> {
             let at_rest = AtRest::new(motion, start).map_err(|error| named(self.model, &error))?;
             return Ok(Box::new(at_rest));
         }
-        if motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing) {
+        if motion.is_captured() {
             motion.let_go(time, &self.state).map_err(|fault| RunError::Sample { time, fault })?;
             let tolerance = settings.tolerance;
             let capture = Capture::new(motion, start, tolerance).map_err(|error| named(self.model, &error))?;

@@ -57,10 +57,10 @@ impl Run<'_, '_> {
     /// [`RunError::Touch`], or a state that cannot be evaluated.
     pub(super) fn touch(&mut self, motion: &mut Motion, time: f64, at_limit: bool) -> Result<(), RunError> {
         let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
-        if contacts.capturing {
+        if contacts.is_captured() {
             return Ok(());
         }
-        if !self.model.hinge_friction.is_empty() && !contacts.resting {
+        if !self.model.hinge_friction.is_empty() && !contacts.is_at_rest() {
             // Dry friction of hinges beside contacts is followed by captured steps alone.
             return self.capture_or(motion, time, || "dry friction of hinges beside it".to_owned());
         }
@@ -102,12 +102,12 @@ impl Run<'_, '_> {
             let fault = |fault| RunError::Sample { time, fault };
             motion.accelerations(time, &self.state.position, &self.state.velocity, &mut a).map_err(fault)?;
             if let Some(contacts) = &mut motion.contacts {
-                contacts.comes_to_rest(&mut self.state, &a);
+                contacts.rest_if_still(&mut self.state, &a);
             }
         }
         // What is compliant strikes nothing, and steps do not capture it.
         if motion.contacts.as_mut().is_some_and(|contacts| !contacts.is_compliant() && contacts.note_event(time)) {
-            self.begin_capture(motion, time);
+            self.note_switch(time, "capture");
         }
         Ok(())
     }
@@ -118,7 +118,7 @@ impl Run<'_, '_> {
     /// [`RunError::Touch`] of shapes that have sunk into each other.
     pub(super) fn guard_contacts(&self, motion: &mut Motion, time: f64) -> Result<(), RunError> {
         let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
-        if !contacts.capturing {
+        if !contacts.is_captured() {
             return Ok(());
         }
         system.at(time, &self.state.position, &self.state.velocity);
@@ -146,19 +146,11 @@ impl Run<'_, '_> {
 
     /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
     pub(super) fn try_capture(&mut self, motion: &mut Motion, time: f64) -> bool {
-        let can = |contacts: &&mut Box<Contacts>| !contacts.capturing && !contacts.is_compliant();
+        let can = |contacts: &&mut Box<Contacts>| !contacts.is_captured() && !contacts.is_compliant();
         let Some(contacts) = motion.contacts.as_mut().filter(can) else { return false };
         contacts.capture_from(time);
-        self.begin_capture(motion, time);
-        true
-    }
-
-    /// Captured steps go on from here.
-    fn begin_capture(&mut self, motion: &mut Motion, time: f64) {
-        if let Some(contacts) = &mut motion.contacts {
-            contacts.capture();
-        }
         self.note_switch(time, "capture");
+        true
     }
 
     /// Tells what steps from here.
@@ -177,7 +169,7 @@ impl Run<'_, '_> {
 
     /// Whether steps between events advance so little since captured ones handed back that these would have done better.
     pub(super) fn toils(&self, motion: &Motion, stepper: &dyn Stepper<Motion>, time: f64) -> bool {
-        let Some(contacts) = motion.contacts.as_ref().filter(|contacts| !contacts.capturing) else { return false };
+        let Some(contacts) = motion.contacts.as_ref().filter(|contacts| !contacts.is_captured()) else { return false };
         let Some((since, before)) = self.handed_back else { return false };
         let tried = tried(&self.statistics) + tried(stepper.statistics()) - before;
         tried >= TOIL && time - since < WORTH * contacts.captured_step() * tried as f64
@@ -196,7 +188,7 @@ impl Run<'_, '_> {
             contacts.end_capture();
             self.touch(motion, time, false)?;
         }
-        if motion.contacts.as_ref().is_some_and(|contacts| !contacts.capturing) {
+        if !motion.is_captured() {
             self.note_switch(time, method.name());
             self.handed_back = Some((time, tried(&self.statistics)));
         }

@@ -17,11 +17,11 @@
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
 use super::instant::{ANSWERED, Instant, Of};
-use super::nonsmooth::Held;
+use super::nonsmooth::Holding;
 use crate::dynamics::Fault;
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::simulate::error::RunError;
-use crate::simulate::events::{Kind, Occurrence, Turn};
+use crate::simulate::events::{Kind, Occurrence, Transition};
 use nalgebra::Vector3;
 
 /// A row that others hold up to this part presses with what a free one would press with.
@@ -52,7 +52,7 @@ struct Rest {
 
 impl Instant<'_> {
     /// What dry friction does after the impacts: what moves slides, the rest is to be decided. What it did before.
-    pub(in crate::simulate) fn rub(&mut self, turn: Option<Turn>) -> Vec<Rubbing> {
+    pub(in crate::simulate) fn rub(&mut self, transition: Option<Transition>) -> Vec<Rubbing> {
         let model = self.motion.model().clone();
         let mut now = Vec::with_capacity(model.hinge_friction.len());
         for (index, friction) in model.hinge_friction.iter().enumerate() {
@@ -61,23 +61,23 @@ impl Instant<'_> {
             let moves = rate.norm() > self.round_off(row, &self.state.velocity, 1.0);
             // A spherical hinge may turn about at a speed that is small and not zero.
             let slow = friction.count == 1 || rate.norm() <= 2.0 * self.slow(friction.velocity);
-            let comes_to_rest = turn == Some(Turn::Still(index)) && slow;
+            let comes_to_rest = transition == Some(Transition::Still(index)) && slow;
             now.push(if moves && !comes_to_rest { Rubbing::Slides(rate.normalize()) } else { Rubbing::Sticks });
         }
         let rubbing = &mut self.motion.system.phase_mut().rubbing;
         let before = std::mem::replace(rubbing, now);
-        if turn.is_some() { before } else { rubbing.clone() }
+        if transition.is_some() { before } else { rubbing.clone() }
     }
 
     /// (1): what is held from now on.
-    pub(in crate::simulate) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Held>, RunError> {
+    pub(in crate::simulate) fn decide(&mut self, transition: Option<Transition>) -> Result<Vec<Holding>, RunError> {
         let mut rest = self.at_rest();
         if rest.is_empty() {
             return Ok(Vec::new());
         }
         let mut a = vec![0.0; self.state.velocity.len()];
         self.accelerate(&mut a).map_err(|fault| RunError::Sample { time: self.time, fault })?;
-        self.rate_rows(&mut rest, &a, turn);
+        self.rate_rows(&mut rest, &a, transition);
         let mut found = self.solve_beside(&rest);
         for _ in 0..MOST_TURNS {
             while self.give_way(&mut rest, &found) {
@@ -148,14 +148,14 @@ impl Instant<'_> {
 
     /// Rates of rows with these accelerations, and what of them is known: their round-off, and what the problem of all of them
     /// leaves unanswered. A row within that of rest presses as little as it parts; at a stop that counts as pressing.
-    fn rate_rows(&self, rest: &mut [Rest], a: &[f64], turn: Option<Turn>) {
+    fn rate_rows(&self, rest: &mut [Rest], a: &[f64], transition: Option<Transition>) {
         let per = 1.0 / self.motion.model().time_scale();
         let size = |one: &Rest| self.rate(one.row, a).abs() / self.free[one.row].sqrt();
         let largest = rest.iter().map(size).fold(0.0, f64::max);
         for one in rest {
             let unanswered = 2.0 * ANSWERED * largest * self.free[one.row].sqrt();
             one.noise = self.round_off(one.row, a, per).max(unanswered);
-            let released = turn == Some(Turn::Release(self.coordinate(one.row).0));
+            let released = transition == Some(Transition::Release(self.coordinate(one.row).0));
             let presses = matches!(self.rows[one.row], Of::Stop(_)) && !released;
             one.rate = self.rate(one.row, a) - if presses { one.noise } else { 0.0 };
         }
@@ -309,8 +309,8 @@ impl Instant<'_> {
     }
 
     /// What is held by the rows whose multipliers are free.
-    fn held(&self, rest: &[Rest], found: &Solution) -> Vec<Held> {
-        let mut held: Vec<Held> = Vec::new();
+    fn held(&self, rest: &[Rest], found: &Solution) -> Vec<Holding> {
+        let mut held: Vec<Holding> = Vec::new();
         for (one, _) in rest.iter().zip(&found.active).filter(|(_, active)| **active) {
             let (coordinate, sign) = self.coordinate(one.row);
             let own = self.entry(one.row, one.row);
@@ -322,7 +322,7 @@ impl Instant<'_> {
                     None => {
                         let (velocity, count, range) =
                             (law.velocity, law.count, [-law.friction.stick, law.friction.stick]);
-                        held.push(Held { velocity, count, stop: None, friction: one.friction, range, slack });
+                        held.push(Holding { velocity, count, stop: None, friction: one.friction, range, slack });
                     }
                 }
                 continue;
@@ -333,7 +333,7 @@ impl Instant<'_> {
             };
             let [low, high] = one.bounds;
             let range = if sign > 0.0 { [-high, -low] } else { [low, high] };
-            held.push(Held { velocity: coordinate, count: 1, stop, friction: one.friction, range, slack });
+            held.push(Holding { velocity: coordinate, count: 1, stop, friction: one.friction, range, slack });
         }
         held
     }
@@ -362,10 +362,10 @@ impl Instant<'_> {
     /// Puts what is held onto its limits, at rest; says what came to rest and what left.
     pub(in crate::simulate) fn settle(
         &mut self,
-        before: &[Held],
-        held: &[Held],
+        before: &[Holding],
+        held: &[Holding],
         rubbed: &[Rubbing],
-        turn: Option<Turn>,
+        transition: Option<Transition>,
     ) -> Result<(), Fault> {
         for held in held {
             self.state.velocity[held.velocity..held.velocity + held.count].fill(0.0);
@@ -375,10 +375,10 @@ impl Instant<'_> {
             self.motion.lift(self.time, self.state, &sides)?;
         }
         self.motion.hold(self.time, self.state, held)?;
-        let now: Vec<Held> = self.motion.held().to_vec();
+        let now: Vec<Holding> = self.motion.held().to_vec();
         for row in 0..self.rows.len() {
             let Of::Stop(side) = self.rows[row] else { continue };
-            let rests = |list: &[Held]| list.iter().any(|held| held.stop == Some(side));
+            let rests = |list: &[Holding]| list.iter().any(|held| held.stop == Some(side));
             match (rests(before), rests(&now), self.stopped[row]) {
                 (false, true, speed) => self.note(row, Kind::Rest, speed.unwrap_or(0.0)),
                 (true, false, _) => self.note(row, Kind::Release, 0.0),
@@ -399,7 +399,7 @@ impl Instant<'_> {
                 (Some(_), None) => self.note_friction(index, Kind::Stick),
                 (None, Some(_)) => self.note_friction(index, Kind::Slip),
                 // At rest for no time: it slides back.
-                (Some(one), Some(other)) if turn == Some(Turn::Still(index)) && one.dot(&other) < 0.0 => {
+                (Some(one), Some(other)) if transition == Some(Transition::Still(index)) && one.dot(&other) < 0.0 => {
                     self.note_friction(index, Kind::Slip);
                 }
                 _ => {}

@@ -21,13 +21,13 @@
 //! **Dry friction** has no part in impacts: its forces are bounded, and an impact takes no time. What an impact sets in motion slides.
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
-use super::nonsmooth::Held;
+use super::nonsmooth::Holding;
 use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
 use crate::model::stop::sides;
-use crate::model::{Side, StopLaw};
+use crate::model::{StopLaw, StopSide};
 use crate::simulate::error::RunError;
-use crate::simulate::events::{Kind, Occurrence, Turn};
+use crate::simulate::events::{Kind, Occurrence, Transition};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
 
@@ -58,7 +58,7 @@ pub(in crate::simulate) struct Outcome {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::simulate) enum Of {
     /// A stop that is touched; its rate is that of parting.
-    Stop(Side),
+    Stop(StopSide),
     /// The dry friction of this index in the model, and which of its coordinates; its rate is the coordinate's.
     Friction(usize, usize),
 }
@@ -84,8 +84,8 @@ pub(in crate::simulate) struct Instant<'a> {
     pub(in crate::simulate) outcome: Outcome,
 }
 
-/// Resolves what happens at an instant: the state after it, and the mode in which the run goes on. `turn` is the event that
-/// was found, `None` at the start of a run.
+/// Resolves what happens at an instant: the state after it, and the discrete state in which the run goes on. `transition` is the
+/// event that was found, `None` at the start of a run.
 ///
 /// # Errors
 /// A stop that nothing can keep from being passed, or a system that cannot be evaluated.
@@ -94,10 +94,10 @@ pub(in crate::simulate) fn resolve(
     time: f64,
     state: &mut State,
     tolerance: f64,
-    turn: Option<Turn>,
+    transition: Option<Transition>,
 ) -> Result<Outcome, RunError> {
     let fault = |fault| RunError::Sample { time, fault };
-    let before: Vec<Held> = motion.held().to_vec();
+    let before: Vec<Holding> = motion.held().to_vec();
     let rows = rows(motion, state, &before);
     let mut instant = Instant {
         motion,
@@ -113,7 +113,7 @@ pub(in crate::simulate) fn resolve(
         outcome: Outcome::default(),
     };
     if instant.rows.is_empty() {
-        instant.let_push(turn);
+        instant.let_push(transition);
         return Ok(instant.outcome);
     }
     instant.lift().map_err(fault)?;
@@ -122,26 +122,26 @@ pub(in crate::simulate) fn resolve(
     instant.impacts()?;
     let switched = instant.motion.switch_laws(time, instant.state, tolerance);
     instant.outcome.happened.extend(switched);
-    instant.let_push(turn);
-    let rubbed = instant.rub(turn);
-    let held = instant.decide(turn)?;
-    instant.settle(&before, &held, &rubbed, turn).map_err(fault)?;
+    instant.let_push(transition);
+    let rubbed = instant.rub(transition);
+    let held = instant.decide(transition)?;
+    instant.settle(&before, &held, &rubbed, transition).map_err(fault)?;
     Ok(instant.outcome)
 }
 
 /// Rigid stops that are touched, or hold, and all dry friction.
-fn rows(motion: &Motion, state: &State, held: &[Held]) -> Vec<Of> {
+fn rows(motion: &Motion, state: &State, held: &[Holding]) -> Vec<Of> {
     let frictions = motion.model().hinge_friction.iter().enumerate();
     let of_friction = frictions.flat_map(|(index, friction)| (0..friction.count).map(move |k| Of::Friction(index, k)));
     touched(motion, state, held).into_iter().map(Of::Stop).chain(of_friction).collect()
 }
 
 /// Rigid stops that are touched, or hold.
-fn touched(motion: &Motion, state: &State, held: &[Held]) -> Vec<Side> {
+fn touched(motion: &Motion, state: &State, held: &[Holding]) -> Vec<StopSide> {
     let stops = &motion.model().stops;
-    let rigid = |side: &Side| stops[side.stop].is_rigid();
-    let touches = |side: &Side| {
-        let depth = stops[side.stop].depth(side.sign, &state.position);
+    let rigid = |side: &StopSide| stops[side.stop].is_rigid();
+    let touches = |side: &StopSide| {
+        let depth = stops[side.stop].depth(side.at, &state.position);
         depth >= -motion.touching(*side) || held.iter().any(|held| held.stop == Some(*side))
     };
     sides(stops).filter(|side| rigid(side) && touches(side)).collect()
@@ -149,7 +149,7 @@ fn touched(motion: &Motion, state: &State, held: &[Held]) -> Vec<Side> {
 
 impl Instant<'_> {
     /// The stops that are touched.
-    fn sides(&self) -> impl Iterator<Item = Side> {
+    fn sides(&self) -> impl Iterator<Item = StopSide> {
         self.rows.iter().filter_map(|row| match row {
             Of::Stop(side) => Some(*side),
             Of::Friction(..) => None,
@@ -158,8 +158,8 @@ impl Instant<'_> {
 
     /// Brings what is beyond a limit back to it: the search finds times just after the limit.
     fn lift(&mut self) -> Result<(), Fault> {
-        let depth = |side: &Side| self.motion.model().stops[side.stop].depth(side.sign, &self.state.position);
-        let beyond: Vec<Side> = self.sides().filter(|side| depth(side) > 0.0).collect();
+        let depth = |side: &StopSide| self.motion.model().stops[side.stop].depth(side.at, &self.state.position);
+        let beyond: Vec<StopSide> = self.sides().filter(|side| depth(side) > 0.0).collect();
         match beyond.is_empty() {
             true => Ok(()),
             false => self.motion.lift(self.time, self.state, &beyond),
@@ -196,11 +196,11 @@ impl Instant<'_> {
         self.motion.system.at(self.time, position, velocity).accelerations(a).map(drop)
     }
 
-    /// The velocity coordinate of a row, and the side of its stop; −1 for dry friction.
+    /// The velocity coordinate of a row, and the sign of its stop's side; −1 for dry friction.
     pub(in crate::simulate) fn coordinate(&self, row: usize) -> (usize, f64) {
         let model = self.motion.model();
         match self.rows[row] {
-            Of::Stop(side) => (model.stops[side.stop].velocity, side.sign),
+            Of::Stop(side) => (model.stops[side.stop].velocity, side.at.sign()),
             Of::Friction(index, k) => (model.hinge_friction[index].velocity + k, -1.0),
         }
     }
@@ -337,8 +337,8 @@ impl Instant<'_> {
         }
         let State { position, velocity } = &*self.state;
         let mut at = self.motion.system.at(self.time, position, velocity);
-        at.accelerations(&mut vec![0.0; n])?.answer_impulse(&impulse, &mut change);
-        self.outcome.work += self.motion.system.impulse_work(&change);
+        let mut mass = at.accelerations(&mut vec![0.0; n])?;
+        self.outcome.work += mass.answer_impulse_with_work(&impulse, &mut change);
         self.state.velocity.iter_mut().zip(&change).for_each(|(v, change)| *v += change);
         for (row, push) in rows.iter().zip(impulses) {
             self.outcome.lost -= 0.5 * push * (self.rate(*row, &self.state.velocity) + before[*row]);
@@ -347,20 +347,21 @@ impl Instant<'_> {
     }
 
     /// Which compliant stops push after the impacts: what was found by the search, and what follows from new speeds.
-    fn let_push(&mut self, turn: Option<Turn>) {
-        let compliant = |side: &Side| match self.motion.model().stops[side.stop].law {
+    fn let_push(&mut self, transition: Option<Transition>) {
+        let compliant = |side: &StopSide| match self.motion.model().stops[side.stop].law {
             StopLaw::Compliant { stiffness, .. } => Some((*side, stiffness * self.motion.touching(*side))),
             StopLaw::Rigid { .. } => None,
         };
-        let sides: Vec<(Side, f64)> = sides(&self.motion.model().stops).filter_map(|side| compliant(&side)).collect();
+        let sides: Vec<(StopSide, f64)> =
+            sides(&self.motion.model().stops).filter_map(|side| compliant(&side)).collect();
         for (side, noise) in sides {
             let stop = &self.motion.model().stops[side.stop];
             let State { position, velocity } = &*self.state;
-            let (depth, push) = (stop.depth(side.sign, position), stop.push(side.sign, position, velocity));
-            let (inward, touching) = (side.sign * velocity[stop.velocity], self.motion.touching(side));
+            let (depth, push) = (stop.depth(side.at, position), stop.push(side.at, position, velocity));
+            let (inward, touching) = (side.at.sign() * velocity[stop.velocity], self.motion.touching(side));
             let now = self.motion.system.phase().pushes(side);
-            let wanted = match turn {
-                Some(Turn::Push(found, pushes)) if found == side => pushes,
+            let wanted = match transition {
+                Some(Transition::Push(found, pushes)) if found == side => pushes,
                 _ if now => push >= -noise,
                 _ if depth > touching => push > noise,
                 _ => depth >= -touching && inward > self.motion.still(stop.velocity),
@@ -381,20 +382,20 @@ impl Instant<'_> {
         }
     }
 
-    pub(in crate::simulate) fn note_side(&mut self, side: Side, kind: Kind, speed: f64) {
+    pub(in crate::simulate) fn note_side(&mut self, side: StopSide, kind: Kind, speed: f64) {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
-        let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.sign));
+        let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.at));
         self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, speed, between: None });
     }
 
     /// A stop that something without another way runs through.
-    pub(in crate::simulate) fn jam(&self, side: Side) -> RunError {
+    pub(in crate::simulate) fn jam(&self, side: StopSide) -> RunError {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
         let drives: Vec<String> = model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect();
         let by = if drives.is_empty() { "loops and gears".to_owned() } else { drives.join(", ") };
         let hinge = model.bodies[stop.body].name.clone();
-        RunError::Jam { time: self.time, hinge, limit: stop.limit(side.sign), by }
+        RunError::Jam { time: self.time, hinge, limit: stop.limit(side.at), by }
     }
 }

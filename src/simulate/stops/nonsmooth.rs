@@ -20,21 +20,21 @@
 //! **With loops, drives and gears** a coordinate that is held has a row like theirs. Those whose rows depend linearly on
 //! theirs and on others (the second of two fingers that a gear ties) bear nothing of their own and are not held.
 
-use crate::dynamics::Held as Row;
+use crate::dynamics::HeldRow;
 use crate::dynamics::applied::{Phase, Rubbing, rate_of};
 use crate::model::prescribed::Instant;
 use crate::model::stop::sides;
-use crate::model::{Model, Scalar, Side, StopLaw};
+use crate::model::{Model, Scalar, StopLaw, StopSide};
 use std::sync::Arc;
 
 /// A coordinate, or the three of a spherical hinge, at rest by what holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::simulate) struct Held {
+pub(in crate::simulate) struct Holding {
     /// First velocity coordinate, and how many: 1, or 3 of a spherical hinge.
     pub(in crate::simulate) velocity: usize,
     pub(in crate::simulate) count: usize,
     /// The rigid stop that it rests on.
-    pub(in crate::simulate) stop: Option<Side>,
+    pub(in crate::simulate) stop: Option<StopSide>,
     /// The dry friction that acts, by its index in the model.
     pub(in crate::simulate) friction: Option<usize>,
     /// What holds it can push with this along the coordinate; of a spherical hinge the norm counts (N or N m).
@@ -48,7 +48,7 @@ pub(in crate::simulate) struct Held {
 pub(in crate::simulate) struct Nonsmooth {
     pub(in crate::simulate) model: Arc<Model>,
     /// What is at rest.
-    pub(in crate::simulate) held: Vec<Held>,
+    pub(in crate::simulate) held: Vec<Holding>,
     /// Whether what is held has rows beside those of loops, drives and gears.
     tied: bool,
     /// `M⁻¹ Hᵀ` of the held coordinates, one after the other.
@@ -79,7 +79,7 @@ impl Nonsmooth {
     }
 
     /// Holds these from now on, and no others.
-    pub(in crate::simulate) fn set_held(&mut self, held: &[Held]) {
+    pub(in crate::simulate) fn set_held(&mut self, held: &[Holding]) {
         self.held.clear();
         self.held.extend_from_slice(held);
         if !self.tied {
@@ -118,30 +118,30 @@ impl Nonsmooth {
     }
 
     /// What is held from now on, as rows with those of loops, drives and gears: stops at their limits, the rest where it is.
-    pub(in crate::simulate) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<Row> {
-        let row = |held: &Held| {
+    pub(in crate::simulate) fn rows(&self, held: &[Holding], q: &[f64]) -> Vec<HeldRow> {
+        let row = |held: &Holding| {
             let link = self
                 .model
                 .links
                 .iter()
                 .position(|link| held.velocity == link.velocity && link.joint.counts().1 == held.count)?;
             if held.count != 1 {
-                return Some(Row::Ball(link));
+                return Some(HeldRow::Ball(link));
             }
             let (position, joint) = (self.model.links[link].position, &self.model.links[link].joint);
-            let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.sign));
+            let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.at));
             let coordinate = Scalar { link, position, velocity: held.velocity, slides: joint.is_distance() };
-            Some(Row::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
+            Some(HeldRow::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
         };
         held.iter().filter_map(row).collect()
     }
 
     /// A coordinate on the stop of a side, with the speed that it has.
-    pub(in crate::simulate) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<Row> {
+    pub(in crate::simulate) fn row(&self, side: StopSide, q: &[f64], v: &[f64]) -> Option<HeldRow> {
         let velocity = self.model.stops[side.stop].velocity;
-        let held = Held { velocity, count: 1, stop: Some(side), friction: None, range: [0.0; 2], slack: 0.0 };
+        let held = Holding { velocity, count: 1, stop: Some(side), friction: None, range: [0.0; 2], slack: 0.0 };
         let mut row = self.rows(&[held], q).pop()?;
-        if let Row::Coordinate { at, .. } = &mut row {
+        if let HeldRow::Coordinate { at, .. } = &mut row {
             at.velocity = v[velocity];
         }
         Some(row)
@@ -193,15 +193,15 @@ impl Nonsmooth {
 
     /// (2) of all stops (J).
     pub(in crate::simulate) fn potential(&self, q: &[f64]) -> f64 {
-        sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.sign, q)).sum()
+        sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.at, q)).sum()
     }
 
     /// (3) of all stops and what friction takes out of all that slides (W).
     pub(in crate::simulate) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
-        let of_side = |side: Side| {
+        let of_side = |side: StopSide| {
             let stop = &self.model.stops[side.stop];
             let StopLaw::Compliant { stiffness: k, damping: d } = stop.law else { return 0.0 };
-            let (p, rate) = (stop.depth(side.sign, q), side.sign * v[stop.velocity]);
+            let (p, rate) = (stop.depth(side.at, q), side.at.sign() * v[stop.velocity]);
             if phase.pushes(side) { d * rate * rate } else { -k * p.max(0.0) * rate }
         };
         phase.rubbed(&self.model, v) + sides(&self.model.stops).map(of_side).sum::<f64>()
@@ -209,7 +209,7 @@ impl Nonsmooth {
 }
 
 /// How far the forces of what is held are within their range; below zero beyond it.
-pub(in crate::simulate) fn within(held: &Held, forces: &[f64]) -> f64 {
+pub(in crate::simulate) fn within(held: &Holding, forces: &[f64]) -> f64 {
     let [low, high] = held.range;
     match forces {
         [force] => (force - low).min(high - force),

@@ -15,8 +15,8 @@ mod bounded;
 mod words;
 
 use super::certify::equilibrium::Equilibrium;
-use super::certify::stability::Verdict;
-use super::inverse::{Held, unit};
+use super::certify::stability::StabilityVerdict;
+use super::inverse::{InverseAnswer, unit};
 use super::outputs::outputs;
 use super::search::{Observers, equilibrium_observed};
 use super::sensitivity::sensitivities;
@@ -103,7 +103,7 @@ pub(super) fn aim(
     sought: Sought<'_>,
     settings: &Settings,
     go_on: &dyn Fn() -> bool,
-) -> Result<Held, Fault> {
+) -> Result<InverseAnswer, Fault> {
     let (before, limit) = (Instant::now(), settings.time_limit);
     let go_on = &|| before.elapsed().as_secs_f64() < limit && go_on();
     let labels: Vec<(String, String)> =
@@ -138,17 +138,17 @@ pub(super) fn aim(
         let note = "there is no equilibrium to begin with, whose outputs could be brought to the aim".to_owned();
         return Ok(missed(description, model, first, sought, note));
     };
-    let Held { description, model, mut found } = search.go(stand);
+    let InverseAnswer { description, model, mut found } = search.go(stand);
     if !of_first {
-        return Ok(Held { description, model, found });
+        return Ok(InverseAnswer { description, model, found });
     }
     match built(&description, &found.position) {
-        Ok(model) => Ok(Held { description, model, found }),
+        Ok(model) => Ok(InverseAnswer { description, model, found }),
         Err(problems) => {
             let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
             found.converged = false;
             found.notes.insert(0, format!("with these numbers the stages cannot be: {}", problems.join("; ")));
-            Ok(Held { description, model, found })
+            Ok(InverseAnswer { description, model, found })
         }
     }
 }
@@ -189,7 +189,7 @@ impl Search<'_> {
     }
 
     /// Newton steps from an equilibrium to the end.
-    fn go(&self, mut now: Stand) -> Held {
+    fn go(&self, mut now: Stand) -> InverseAnswer {
         let (mut trouble, radius) = (None, FIRST_RADIUS * (self.scales.len() as f64).sqrt());
         let mut trust = Trust { radius, ends: false };
         for _ in 0..MOST_STEPS {
@@ -219,7 +219,7 @@ impl Search<'_> {
                 .insert(0, format!("the aim is missed: {}; {why}", words::missed(&found.aimed, self.sought.aim)));
             found.converged = false;
         }
-        Held { description, model, found }
+        InverseAnswer { description, model, found }
     }
 
     /// The values of what is aimed at.
@@ -329,7 +329,7 @@ impl Search<'_> {
         let found = search(&model, self.settings, self.go_on).map_err(|fault| refused(fault.to_string()))?;
         let notes = found.notes.join("; ");
         let is_unstable =
-            |found: &Equilibrium| found.stability.as_ref().is_some_and(|of| of.verdict == Verdict::Unstable);
+            |found: &Equilibrium| found.stability.as_ref().is_some_and(|of| of.verdict == StabilityVerdict::Unstable);
         let ends = found.balanced && is_unstable(&found);
         let why = format!("no equilibrium on the way: {notes}");
         self.stand(description, scene, model, found).ok_or(Refused { why, ends })
@@ -375,7 +375,7 @@ fn missed(
     mut found: Equilibrium,
     sought: Sought<'_>,
     note: String,
-) -> Held {
+) -> InverseAnswer {
     found.converged = false;
     found.unknowns = values(&description, sought.unknown);
     let numbers = outputs(&model, &found).unwrap_or_default();
@@ -383,5 +383,5 @@ fn missed(
     let of_aim = |(label, _): &(String, f64)| sought.aim.iter().any(|aim| aim.output == *label);
     found.aimed = labels.zip(numbers).filter(of_aim).collect();
     found.notes.insert(0, note);
-    Held { description, model, found }
+    InverseAnswer { description, model, found }
 }

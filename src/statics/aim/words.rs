@@ -32,8 +32,7 @@ fn apart(a: f64, b: f64) -> [String; 2] {
 pub(super) fn held(model: &Arc<Model>, found: &Equilibrium, unknown: &[Parameter]) -> String {
     let mut holds: Vec<String> = Vec::new();
     for stop in &found.stops {
-        let side = if stop.low { "low" } else { "high" };
-        holds.push(format!("{} rests on its {side} stop at {}", stop.hinge, number(stop.limit)));
+        holds.push(format!("{} rests on its {} stop at {}", stop.hinge, stop.side.name(), number(stop.limit)));
     }
     let mut system = System::new(model);
     let at = system.at(0.0, &found.position, &found.velocity);

@@ -18,8 +18,7 @@
 //! With loops, drives and gears the accelerations are those that their rows allow, velocities are kept in agreement with
 //! the rows, and positions are closed after every step. Locks are held by rows too.
 
-use crate::dynamics::{Fault, Mode, System};
-use crate::model::Model;
+use crate::dynamics::{Fault, RowSelection, System};
 use crate::statics::effort::Iteration;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{FAR, Landscape};
@@ -73,18 +72,14 @@ pub(in crate::statics) fn run(
 fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<System, Fault> {
     let model = landscape.model();
     if model.is_constrained() {
-        return Ok(System::in_mode(model, &Mode::standing(model, q, &landscape.steady), 0.0, q));
+        return Ok(System::with_rows(model, &RowSelection::standing(model, q, &landscape.steady), 0.0, q));
     }
-    let mut model = Model::clone(model);
+    let model = Arc::clone(model);
     let mut inertia = vec![0.0; model.velocity_count()];
     let (rest, mut accelerations) = (inertia.clone(), inertia.clone());
     landscape.system().at(0.0, q, &rest).accelerations(&mut accelerations)?.articulated_inertia(&mut inertia);
-    for (coordinate, inertia) in model.coordinates.iter_mut().zip(&inertia) {
-        if coordinate.lock {
-            coordinate.armature += HELD * inertia;
-        }
-    }
-    Ok(System::new(&Arc::new(model)))
+    inertia.iter_mut().for_each(|inertia| *inertia *= HELD);
+    Ok(System::new(&model.with_heavier_locks(&inertia)))
 }
 
 struct Motion<'l, 's> {
@@ -296,8 +291,8 @@ impl<'l, 's> Motion<'l, 's> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Description;
     use crate::model::description::{BodyDescription, HingeDescription};
+    use crate::model::{Description, Model};
 
     /// Rods of 0.1 kg and 0.1 m, each bent by a fifth of a radian against the one before.
     fn chain(links: usize) -> Arc<Model> {

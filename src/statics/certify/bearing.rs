@@ -9,11 +9,11 @@
 //!
 //! so that every search, its certificate and its modes hold for it as they are.
 
-use super::equilibrium::{Bearing, Equilibrium};
-use super::modes::Mode;
+use super::equilibrium::{BearingStop, Equilibrium};
+use super::modes::NaturalMode;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
-use crate::model::{Model, Stop, StopLaw};
+use crate::model::{Model, Side, Stop, StopLaw};
 use std::sync::Arc;
 
 /// A coordinate that is further beyond its limit than this (rad, or part of the scene's length) has passed it.
@@ -25,30 +25,22 @@ pub(in crate::statics) const PULLS: f64 = 1e-10;
 /// How far loops are brought at a time (rad, m; below 1 m part of the scene's length).
 const SHORT: f64 = 0.1;
 
-/// Which side of each stop bears: −1, 1, or 0 for none.
-pub(in crate::statics) type Set = Vec<i8>;
-
-pub(in crate::statics) fn limit(model: &Model, index: usize, side: i8) -> f64 {
-    model.stops[index].limit(f64::from(side))
-}
+/// Which side of each stop bears, if one does.
+pub(in crate::statics) type Set = Vec<Option<Side>>;
 
 pub(in crate::statics) fn unit(model: &Model, velocity: usize) -> f64 {
     if crate::statics::problem::slides(model)[velocity] { model.length_scale() } else { 1.0 }
 }
 
-/// The side on which a coordinate is at its limit or beyond.
-fn touched(model: &Model, stop: &Stop, q: &[f64]) -> i8 {
-    let slack = PASSED * unit(model, stop.velocity);
-    match q[stop.position] {
-        value if value <= stop.range[0] + slack => -1,
-        value if value >= stop.range[1] - slack => 1,
-        _ => 0,
-    }
+/// The sides on which a pose is at limits or beyond.
+pub(in crate::statics) fn touching(model: &Model, q: &[f64]) -> Set {
+    let touched = |stop: &Stop| stop.reached(q[stop.position], PASSED * unit(model, stop.velocity));
+    model.stops.iter().map(touched).collect()
 }
 
-/// The sides that a pose touches.
-pub(in crate::statics) fn touching(model: &Model, q: &[f64]) -> Set {
-    model.stops.iter().map(|stop| touched(model, stop, q)).collect()
+/// The stops of a set, and the sides on which they bear.
+pub(in crate::statics) fn bearing_sides<'a>(stops: &'a [Stop], set: &'a Set) -> impl Iterator<Item = (&'a Stop, Side)> {
+    stops.iter().zip(set).filter_map(|(stop, side)| Some((stop, (*side)?)))
 }
 
 /// The rigid stops that a pose has passed: hinge, limit, and where it stands.
@@ -56,9 +48,8 @@ pub(in crate::statics) fn passed(model: &Model, q: &[f64]) -> Vec<(String, f64, 
     let beyond = |stop: &Stop| {
         let value = q[stop.position];
         let slack = PASSED * unit(model, stop.velocity).max(value.abs());
-        let limit = if value < stop.range[0] { stop.range[0] } else { stop.range[1] };
-        let passes = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        (passes && stop.is_rigid()).then(|| (model.label(stop.velocity), limit, value))
+        let side = stop.passed(value, slack).filter(|_| stop.is_rigid())?;
+        Some((model.label(stop.velocity), stop.limit(side), value))
     };
     model.stops.iter().filter_map(beyond).collect()
 }
@@ -71,12 +62,12 @@ pub(in crate::statics) fn pulling(
     found: &Equilibrium,
 ) -> Result<Option<usize>, Fault> {
     let (held, sizes) = held(bearing, found)?;
-    let pull = |index: usize| {
-        let of = load(model, index, set[index], &found.position, &held);
-        of / sizes[model.stops[index].velocity].max(f64::MIN_POSITIVE)
-    };
-    let worst = (0..set.len()).filter(|index| set[*index] != 0).min_by(|a, b| pull(*a).total_cmp(&pull(*b)));
-    Ok(worst.filter(|index| pull(*index) < -PULLS))
+    let pulls = model.stops.iter().zip(set).enumerate().filter_map(|(index, (stop, side))| {
+        let load = load(stop, (*side)?, &found.position, &held);
+        Some((index, load / sizes[stop.velocity].max(f64::MIN_POSITIVE)))
+    });
+    let worst = pulls.min_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(worst.filter(|(_, pull)| *pull < -PULLS).map(|(index, _)| index))
 }
 
 /// The scene in which these stops bear, and the guess on them; `None` if loops have no position there.
@@ -84,8 +75,8 @@ pub(in crate::statics) fn with(model: &Model, set: &Set, start: &[f64]) -> Optio
     let (mut bearing, mut guess) = (Model::clone(model), start.to_vec());
     bearing.stops.clear();
     let mut held = Vec::new();
-    for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
-        let (stop, limit) = (&model.stops[index], limit(model, index, *side));
+    for (stop, side) in bearing_sides(&model.stops, set) {
+        let limit = stop.limit(side);
         let coordinate = &mut bearing.coordinates[stop.velocity];
         match stop.law {
             StopLaw::Rigid { .. } => {
@@ -131,21 +122,20 @@ pub(in crate::statics) fn bearing(model: &Arc<Model>, q: &[f64]) -> (Arc<Model>,
 }
 
 /// What a stop of the set bears; negative where it would have to pull. `held` are the forces of locked coordinates.
-pub(in crate::statics) fn load(model: &Model, index: usize, side: i8, q: &[f64], held: &[f64]) -> f64 {
-    let stop = &model.stops[index];
+pub(in crate::statics) fn load(stop: &Stop, side: Side, q: &[f64], held: &[f64]) -> f64 {
     match stop.law {
-        StopLaw::Rigid { .. } => -f64::from(side) * held[stop.velocity],
-        StopLaw::Compliant { stiffness, .. } => stiffness * stop.depth(f64::from(side), q),
+        StopLaw::Rigid { .. } => -side.sign() * held[stop.velocity],
+        StopLaw::Compliant { stiffness, .. } => stiffness * stop.depth(side, q),
     }
 }
 
 /// What the stops of a set push each velocity coordinate with (N or N m). `held` are the forces of locked coordinates.
-pub(in crate::statics) fn pushes(stops: &[Stop], set: &[i8], q: &[f64], held: &[f64]) -> Vec<f64> {
+pub(in crate::statics) fn pushes(stops: &[Stop], set: &Set, q: &[f64], held: &[f64]) -> Vec<f64> {
     let mut pushes = vec![0.0; held.len()];
-    for (stop, side) in stops.iter().zip(set).filter(|(_, side)| **side != 0) {
+    for (stop, side) in bearing_sides(stops, set) {
         pushes[stop.velocity] += match stop.law {
             StopLaw::Rigid { .. } => held[stop.velocity],
-            StopLaw::Compliant { stiffness, .. } => stiffness * (stop.limit(f64::from(*side)) - q[stop.position]),
+            StopLaw::Compliant { stiffness, .. } => stiffness * (stop.limit(side) - q[stop.position]),
         };
     }
     pushes
@@ -172,16 +162,14 @@ pub(in crate::statics) fn finish(
     mut found: Equilibrium,
 ) -> Result<Equilibrium, Fault> {
     let (held, _) = held(bearing, &found)?;
-    for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
-        let stop = &model.stops[index];
-        let load = load(model, index, *side, &found.position, &held);
-        let limit = limit(model, index, *side);
+    for (stop, side) in bearing_sides(&model.stops, set) {
+        let (load, limit) = (load(stop, side, &found.position, &held), stop.limit(side));
         let depth = match stop.law {
             StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { .. } => (f64::from(*side) * (found.position[stop.position] - limit)).max(0.0),
+            StopLaw::Compliant { .. } => stop.depth(side, &found.position).max(0.0),
         };
         let hinge = model.label(stop.velocity);
-        found.stops.push(Bearing { hinge, low: *side < 0, limit, load: load.max(0.0), depth });
+        found.stops.push(BearingStop { hinge, side, limit, load: load.max(0.0), depth });
     }
     let locked = |i: &usize| model.coordinates[*i].lock;
     let labels: Vec<String> = (0..model.velocity_count()).filter(locked).map(|i| model.label(i)).collect();
@@ -193,7 +181,7 @@ pub(in crate::statics) fn finish(
         shape.extend(free.iter().map(|moves| if *moves { parts.next().unwrap_or(0.0) } else { 0.0 }));
     };
     if let Some(stability) = &mut found.stability {
-        stability.modes.iter_mut().for_each(|mode: &mut Mode| spread(&mut mode.shape));
+        stability.modes.iter_mut().for_each(|mode: &mut NaturalMode| spread(&mut mode.shape));
         stability.damped.iter_mut().for_each(|mode| mode.shape.iter_mut().for_each(spread));
     }
     Ok(found)

@@ -2,9 +2,10 @@
 
 use super::damped;
 use super::known::{Known, look_closer};
-use super::modes::{Mode, momentum, rates_of, scaled, shares};
+use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use super::stability::{
-    Stability, Verdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized, verdict,
+    Stability, StabilityVerdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized,
+    verdict,
 };
 use crate::dynamics::{Fault, Linearization};
 use crate::model::Model;
@@ -68,12 +69,13 @@ fn prestressed(
     stability: &mut Stability,
 ) -> Result<(), Fault> {
     let mut found = Prestress::Shared;
-    if stability.verdict != Verdict::Stable
+    if stability.verdict != StabilityVerdict::Stable
         && landscape.conservative
         && landscape.certified(&place.q, z, stiffness, &sizes(Some(z), &place.scales.stiffness))?.is_some()
     {
         found = Prestress::Certified;
-        (stability.verdict, stability.unstable_directions, stability.neutral_directions) = (Verdict::Stable, 0, 0);
+        (stability.verdict, stability.unstable_directions, stability.neutral_directions) =
+            (StabilityVerdict::Stable, 0, 0);
         stability.modes.clear();
         stability.damped.clear();
     }
@@ -210,7 +212,13 @@ fn classify(
 ) -> Stability {
     if z.ncols() == 0 {
         let (modes, damped) = (Vec::new(), Vec::new());
-        return Stability { verdict: Verdict::Stable, unstable_directions: 0, neutral_directions: 0, modes, damped };
+        return Stability {
+            verdict: StabilityVerdict::Stable,
+            unstable_directions: 0,
+            neutral_directions: 0,
+            modes,
+            damped,
+        };
     }
     let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count(z, &linear.stiffness, &place.scales.stiffness),
@@ -220,7 +228,7 @@ fn classify(
         let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
         let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);
         let shares = shares(model, free, &momentum(mass, &shape), &shape);
-        Mode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
+        NaturalMode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
     };
     let found = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass));
     let mut modes = found.map_or(Vec::new(), |(values, vectors)| {

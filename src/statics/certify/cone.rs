@@ -110,7 +110,7 @@ impl Cone {
         let Self { weak, columns, .. } = self;
         let entry = |a: usize, b: usize| {
             let through: f64 = free.iter().zip(&responses[b]).map(|(i, y)| columns[a][*i] * y).sum();
-            let sides = weak[a].side * weak[b].side;
+            let sides = weak[a].side.sign() * weak[b].side.sign();
             sides * (columns[b][weak[a].velocity] + through) / self.root(a) / self.root(b)
         };
         symmetric(&Mat::from_fn(weak.len(), weak.len(), entry))
@@ -120,7 +120,7 @@ impl Cone {
     fn descent(&self, free: &[usize], responses: &[Vec<f64>], v: &[f64], falls: bool) -> Descent {
         let mut direction = vec![0.0; self.columns[0].len()];
         for (k, one) in self.weak.iter().enumerate() {
-            let by = -one.side * v[k] / self.root(k);
+            let by = -one.side.sign() * v[k] / self.root(k);
             direction[one.velocity] += by;
             free.iter().zip(&responses[k]).for_each(|(i, y)| direction[*i] += by * y);
         }

@@ -10,7 +10,7 @@
 //!
 //! A pair of complex roots is one mode that swings, a real root one that creeps.
 
-use super::modes::{Mode, momentum, scaled, shares};
+use super::modes::{NaturalMode, momentum, scaled, shares};
 use crate::dynamics::{Linearization, System};
 use crate::model::Model;
 use faer::linalg::solvers::Solve;
@@ -170,7 +170,7 @@ pub(in crate::statics) fn runaway(damped: &[DampedMode], unstable: usize) -> usi
 }
 
 /// Growth rates of the damped motion for the modes that run away.
-pub(in crate::statics) fn grow(modes: &mut [Mode], damped: &[DampedMode], unstable: usize) {
+pub(in crate::statics) fn grow(modes: &mut [NaturalMode], damped: &[DampedMode], unstable: usize) {
     let mut rates: Vec<f64> = damped.iter().map(|mode| -mode.decay_rate).collect();
     rates.sort_by(|a, b| b.total_cmp(a));
     for (mode, rate) in modes.iter_mut().take(unstable).zip(rates) {

@@ -2,18 +2,18 @@
 
 use super::closed;
 use super::known;
-use super::stability::{Stability, Verdict};
+use super::stability::{Stability, StabilityVerdict};
 use super::unbalanced::describe;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
-use crate::model::Model;
+use crate::model::{Model, Side};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::effort::{Effort, Iteration, Stage};
 use crate::statics::problem::Landscape;
 use crate::statics::problem::linear::General;
 use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::settings::{Method, Settings, Want};
-use crate::statics::standing::answer::Standing;
+use crate::statics::standing::answer::StandingReport;
 use std::sync::Arc;
 
 /// What the search found, with the evidence.
@@ -66,9 +66,9 @@ pub struct Equilibrium {
     /// What locked hinges have to hold: coordinate name and force (N, N m).
     pub holding: Vec<(String, f64)>,
     /// Stops of hinges that it rests on.
-    pub stops: Vec<Bearing>,
+    pub stops: Vec<BearingStop>,
     /// Whether the given pose stands; `None` for a scene without dry friction and contact.
-    pub standing: Option<Box<Standing>>,
+    pub standing: Option<Box<StandingReport>>,
     /// Multipliers of the independent rows of loops, drives and gears (N or N m).
     pub multipliers: Vec<f64>,
     /// Multipliers of all rows by loop, drive and gear (N or N m): zero for linearly dependent rows.
@@ -91,11 +91,11 @@ pub struct Equilibrium {
 
 /// A stop that an equilibrium rests on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bearing {
+pub struct BearingStop {
     /// The body whose hinge it is, as in [`Model::label`].
     pub hinge: String,
-    /// Whether it is the low limit.
-    pub low: bool,
+    /// Which of its limits.
+    pub side: Side,
     /// The limit (m or rad).
     pub limit: f64,
     /// What it bears (N or N m), ≥ 0.
@@ -186,10 +186,10 @@ pub(in crate::statics) fn certify(
     let by_size = |a: &usize, b: &usize| place.force[*a].abs().total_cmp(&place.force[*b].abs());
     let largest = (0..place.force.len()).max_by(by_size);
     let verdict = stability.as_ref().map(|s| s.verdict);
-    if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
+    if verdict == Some(StabilityVerdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
     }
-    let kind = settings.want == Want::Any || verdict != Some(Verdict::Unstable);
+    let kind = settings.want == Want::Any || verdict != Some(StabilityVerdict::Unstable);
     Ok(Equilibrium {
         converged: balanced && kind,
         balanced,

@@ -28,6 +28,7 @@ use crate::force::Act;
 use crate::hinge::Condition;
 use crate::model::couplings::Closure;
 use crate::model::problem::number;
+use crate::model::stop;
 use crate::model::{Coordinate, CurveOver, Drive, Model, Motor};
 use crate::motion::Motion;
 use crate::statics::problem::place::BALANCED;
@@ -322,7 +323,8 @@ impl<'m> Scene<'m> {
     fn stops(&self, column: usize, direction: f64) -> bool {
         let velocity = self.model.links[self.columns[column].link].velocity;
         let stops = self.model.stops.iter().filter(|stop| stop.velocity == velocity);
-        stops.into_iter().any(|stop| stop.limit(direction).is_finite())
+        let side = if direction > 0.0 { stop::Side::High } else { stop::Side::Low };
+        stops.into_iter().any(|stop| stop.limit(side).is_finite())
     }
 
     /// `d = N Nᵀ c` of some columns, the others held; `None` if it vanishes.

@@ -1,4 +1,15 @@
 //! The certificate of a pose: whether its residual proves an equilibrium, what kind that is, and what holds it.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `equilibrium` | the equilibrium with its certificate; what is not balanced is named in `unbalanced` |
+//! | `stability`, `modes` | how many directions leave it or have zero stiffness, and its natural modes; of large systems in `subspace` |
+//! | `damped` | damped modes |
+//! | `known` | what is known of a stiffness that is small beside its terms |
+//! | `closed` | with loops, drives and gears: motions along the closed positions |
+//! | `bearing` | which stops bear, and the scene in which they do |
+//! | `weak`, `cone`, `copositive` | stops that bear nothing: the critical cone, and whether the stiffness is copositive on it |
+//! | `falling` | motions that nothing ends |
 
 pub(super) mod bearing;
 pub(super) mod closed;

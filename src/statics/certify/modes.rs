@@ -5,7 +5,7 @@ use faer::Mat;
 
 /// A direction in coordinate space, by the hinges that carry it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mode {
+pub struct NaturalMode {
     /// Undamped frequency (Hz); 0 for a neutral one.
     pub frequency_hz: f64,
     /// Growth rate (1/s) of one that runs away, else 0.

@@ -6,7 +6,7 @@
 //! decide.
 
 use super::damped::{self, DampedMode};
-use super::modes::{Mode, momentum, rates_of, scaled, shares};
+use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
 use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
@@ -24,7 +24,7 @@ pub(in crate::statics) fn by_matrices(model: &Model, free: usize) -> bool {
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum StabilityVerdict {
     /// Every small push comes back.
     Stable,
     /// Some push runs away.
@@ -33,7 +33,7 @@ pub enum Verdict {
     Neutral,
 }
 
-impl Verdict {
+impl StabilityVerdict {
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -48,13 +48,13 @@ impl Verdict {
 #[derive(Debug, Clone)]
 pub struct Stability {
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: StabilityVerdict,
     /// Number of directions that run away.
     pub unstable_directions: usize,
     /// Number of zero-stiffness directions.
     pub neutral_directions: usize,
     /// All modes, of a large system the lowest (`MOST_MODES`): running away first, then neutral, then by frequency.
-    pub modes: Vec<Mode>,
+    pub modes: Vec<NaturalMode>,
     /// Modes of the damped motion, where something damps; of a large system those within the space of its lowest
     /// undamped ones.
     pub damped: Vec<DampedMode>,
@@ -96,7 +96,13 @@ pub(in crate::statics) fn classify(
     if free.is_empty() {
         let (unstable_directions, neutral_directions) = (0, 0);
         let (modes, damped) = (Vec::new(), Vec::new());
-        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes, damped });
+        return Ok(Stability {
+            verdict: StabilityVerdict::Stable,
+            unstable_directions,
+            neutral_directions,
+            modes,
+            damped,
+        });
     }
     let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
@@ -138,9 +144,9 @@ pub(in crate::statics) fn classify_by_sweeps(
     let modes = modes.map(|(i, ((value, shape), momentum))| {
         let (frequency_hz, growth_rate) = rates_of(value, i, unstable, found.neutral_modes);
         let shares = shares(model, free, momentum, &shape);
-        Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+        NaturalMode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
     });
-    let mut modes: Vec<Mode> = modes.collect();
+    let mut modes: Vec<NaturalMode> = modes.collect();
     if !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
@@ -149,11 +155,11 @@ pub(in crate::statics) fn classify_by_sweeps(
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
-pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> Verdict {
+pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> StabilityVerdict {
     match (unstable, neutral) {
-        (0, 0) => Verdict::Stable,
-        (0, _) => Verdict::Neutral,
-        _ => Verdict::Unstable,
+        (0, 0) => StabilityVerdict::Stable,
+        (0, _) => StabilityVerdict::Neutral,
+        _ => StabilityVerdict::Unstable,
     }
 }
 
@@ -216,7 +222,13 @@ fn count_undamped(linear: &Linearization) -> (usize, usize) {
 
 /// Undamped modes `K x = λ M x`. Small eigenvalues are taken from the inverse problem where that is more accurate:
 /// relative errors are `ε λ_max/λ` one way and `ε λ/λ_min` the other.
-fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstable: usize, neutral: usize) -> Vec<Mode> {
+fn undamped_modes(
+    model: &Model,
+    free: &[usize],
+    linear: &Linearization,
+    unstable: usize,
+    neutral: usize,
+) -> Vec<NaturalMode> {
     let Some((mut values, vectors)) = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass)) else {
         return Vec::new();
     };
@@ -238,28 +250,28 @@ fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstabl
             let momentum = momentum(&linear.mass, &shape);
             let shares = shares(model, free, &momentum, &shape);
             let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
-            Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+            NaturalMode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
         })
         .collect()
 }
 
 /// Undamped modes where loads have no potential: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`. A complex pair is flutter:
 /// it swings and grows.
-fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<Mode> {
+fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<NaturalMode> {
     use faer::linalg::solvers::Solve;
     let n = linear.mass.nrows();
     let Ok(eigen) = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigen() else { return Vec::new() };
     let value = |i: usize| eigen.S()[i];
     let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
     let noise = RATE_NOISE * largest.sqrt();
-    let mut modes: Vec<Mode> = (0..n)
+    let mut modes: Vec<NaturalMode> = (0..n)
         .map(|i| {
             // s = √(−λ) with the real part that is not negative.
             let size = value(i).re.hypot(value(i).im);
             let growth = (0.5 * (size - value(i).re)).max(0.0).sqrt();
             let rate = (0.5 * (size + value(i).re)).max(0.0).sqrt();
             let shape: Vec<f64> = (0..n).map(|row| eigen.U()[(row, i)].re).collect();
-            Mode {
+            NaturalMode {
                 frequency_hz: if rate > noise { rate / std::f64::consts::TAU } else { 0.0 },
                 growth_rate: if growth > noise { growth } else { 0.0 },
                 shares: shares(model, free, &momentum(&linear.mass, &shape), &shape),
@@ -273,7 +285,7 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
 
 /// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
 /// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
-fn sharpen(modes: &mut [Mode], system: &mut System, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+fn sharpen(modes: &mut [NaturalMode], system: &mut System, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
     let n = stiffness.nrows();
     let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
     let lower = factor.L();

@@ -2,7 +2,7 @@
 
 use super::cone;
 use super::equilibrium::Equilibrium;
-use super::stability::Verdict;
+use super::stability::StabilityVerdict;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::statics::problem::{Landscape, within_limits};
@@ -23,7 +23,7 @@ pub(in crate::statics) fn examine_weak(
     if !(found.balanced && touches) || model.is_constrained() || !model.is_conservative() {
         return Ok(());
     }
-    let Some(stability) = found.stability.as_mut().filter(|one| one.verdict != Verdict::Unstable) else {
+    let Some(stability) = found.stability.as_mut().filter(|one| one.verdict != StabilityVerdict::Unstable) else {
         return Ok(());
     };
     let mut system = System::new(model);
@@ -33,11 +33,11 @@ pub(in crate::statics) fn examine_weak(
     let Some(place) = landscape.choose_active(&q)? else { return Ok(()) };
     let Some(descent) = cone::weakest(&mut landscape, &place)? else { return Ok(()) };
     if !descent.falls {
-        stability.verdict = Verdict::Neutral;
+        stability.verdict = StabilityVerdict::Neutral;
         stability.neutral_directions += 1;
         return Ok(());
     }
-    stability.verdict = Verdict::Unstable;
+    stability.verdict = StabilityVerdict::Unstable;
     stability.unstable_directions += 1;
     let names: Vec<String> = descent.leaving.iter().map(|i| model.label(*i)).collect();
     found

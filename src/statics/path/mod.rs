@@ -15,7 +15,7 @@ mod trace;
 
 use super::certify::bearing::Set;
 use super::certify::equilibrium::Equilibrium;
-use super::certify::stability::Verdict;
+use super::certify::stability::StabilityVerdict;
 use super::family::{Moving, borne};
 use super::problem::assembled::Assembled;
 use super::search::{Observers, equilibrium_observed};
@@ -25,7 +25,7 @@ use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use trace::{Tracer, Turn, seeds};
+use trace::{StopChange, Tracer, seeds};
 
 /// Branches that are followed, the first one included.
 const MOST_BRANCHES: usize = 24;
@@ -120,7 +120,7 @@ pub struct PathPoint {
     /// Largest unbalanced force relative to the forces that cancel there.
     pub relative_residual: f64,
     /// What kind of equilibrium it is.
-    pub verdict: Verdict,
+    pub verdict: StabilityVerdict,
     /// Directions that run away.
     pub unstable_directions: usize,
     /// Whether it is one of the values that were asked for.
@@ -200,7 +200,7 @@ pub fn follow(
     let family = |at: f64, q: &[f64], set: Set| Moving::new(&first, assembled.clone(), numbers, at, range, (q, set));
     let mut moving = family(settings.from, &q, set.clone())?;
     // What only a stop feels is felt.
-    if set.iter().all(|side| *side == 0) && !moving.is_felt(&q, settings.from)? {
+    if set.iter().all(Option::is_none) && !moving.is_felt(&q, settings.from)? {
         return Err(format!("nothing in this equilibrium feels `{}`: there is no path to follow", settings.parameter));
     }
     if path.start.stability.as_ref().is_some_and(|s| s.neutral_directions > 0) {
@@ -208,24 +208,24 @@ pub fn follow(
     }
     let mut tracer = Tracer::new(moving, settings);
     let mut queue = VecDeque::from([tracer.first(&q)?]);
-    let mut turns: VecDeque<(Turn, Set, (usize, usize))> = VecDeque::new();
+    let mut changes: VecDeque<(StopChange, (usize, usize))> = VecDeque::new();
     // The stops that bear along each branch.
     let mut sets: Vec<Set> = Vec::new();
     loop {
         let Some(seed) = queue.pop_front() else {
-            let Some((turn, before, parent)) = turns.pop_front() else { break };
-            let q = &turn.point.place.q;
-            tracer = Tracer::new(family(turn.point.parameter, q, turn.set.clone())?, settings);
-            match tracer.onward(&turn, &before, parent) {
+            let Some((change, parent)) = changes.pop_front() else { break };
+            let q = &change.point.place.q;
+            tracer = Tracer::new(family(change.point.parameter, q, change.set.clone())?, settings);
+            match tracer.onward(&change, parent) {
                 Some(seed) => queue.push_back(seed),
                 None => {
                     path.complete = false;
                     path.notes.push(format!(
                         "branch {} ends on the stop of {} at `{}` = {}: none was found that goes on from there",
                         parent.0,
-                        model.label(model.stops[turn.index].velocity),
+                        model.label(model.stops[change.index].velocity),
                         settings.parameter,
-                        number(turn.point.parameter)
+                        number(change.point.parameter)
                     ));
                 }
             }
@@ -241,7 +241,7 @@ pub fn follow(
             continue;
         }
         let index = path.branches.len();
-        let (branch, turn) = tracer.trace(seed, go_on)?;
+        let (branch, change) = tracer.trace(seed, go_on)?;
         if let End::Lost(reason) = &branch.end {
             let at = branch.points.last().map_or(settings.from, |point| point.parameter);
             let at = number(at);
@@ -252,7 +252,7 @@ pub fn follow(
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
-        turns.extend(turn.map(|turn| (turn, set.clone(), (index, branch.points.len() - 1))));
+        changes.extend(change.map(|change| (change, (index, branch.points.len() - 1))));
         path.branches.push(branch);
         sets.push(set);
     }

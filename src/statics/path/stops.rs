@@ -5,8 +5,8 @@
 //! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
 //! leaves its limit: that may be back where it came from.
 
-use super::trace::{Seed, Tracer, Turn};
-use crate::model::{Stop, StopLaw};
+use super::trace::{Seed, StopChange, Tracer};
+use crate::model::{Side, Stop, StopLaw};
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
 
@@ -17,30 +17,30 @@ const SLACK: f64 = 1e-10;
 const AHEAD: f64 = 1e-3;
 
 /// How far a stop is from a change: positive as long as nothing changes, with the round-off of that.
-fn clear(moving: &mut Moving<'_>, stop: &Stop, side: i8, bears: bool, point: &Point) -> Result<[f64; 2], String> {
-    let limit = stop.limit(f64::from(side));
+fn clear(moving: &mut Moving<'_>, stop: &Stop, side: Side, bears: bool, point: &Point) -> Result<[f64; 2], String> {
+    let limit = stop.limit(side);
     let slack = SLACK * if moving.slides(stop.velocity) { moving.length() } else { 1.0 };
-    let depth = stop.depth(f64::from(side), &point.place.q);
+    let depth = stop.depth(side, &point.place.q);
     match (bears, stop.law) {
         (false, _) => Ok([-depth, slack.max(SLACK * limit.abs())]),
         (true, StopLaw::Compliant { .. }) => Ok([depth, slack.max(SLACK * limit.abs())]),
         (true, StopLaw::Rigid { .. }) => {
             let [held, size] = moving.held(&point.place.q, point.parameter, stop.velocity)?;
-            Ok([-f64::from(side) * held, SLACK * size])
+            Ok([-side.sign() * held, SLACK * size])
         }
     }
 }
 
 impl Tracer<'_> {
     /// The first stop that a step comes to or lifts off.
-    pub(super) fn turn(&mut self, a: &Point, b: &Point, step: f64) -> Option<Turn> {
+    pub(super) fn change(&mut self, a: &Point, b: &Point, step: f64) -> Option<StopChange> {
         let set = self.moving.set().clone();
-        let mut first: Option<Turn> = None;
+        let mut first: Option<StopChange> = None;
         for (index, now) in set.iter().enumerate() {
             let stop = self.moving.stop(index);
-            let sides = if *now == 0 { vec![-1, 1] } else { vec![*now] };
-            for side in sides.into_iter().filter(|side| stop.limit(f64::from(*side)).is_finite()) {
-                let value = |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, *now != 0, point);
+            for side in stop.sides().filter(|side| now.is_none_or(|now| now == *side)) {
+                let value =
+                    |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, now.is_some(), point);
                 let Ok([end, slack]) = value(self, b) else { continue };
                 if end >= -slack {
                     continue;
@@ -48,25 +48,24 @@ impl Tracer<'_> {
                 let start = value(self, a).map_or(0.0, |[start, _]| start).max(0.0);
                 let ends = [(0.0, start), (step, end)];
                 let located = self.located(a, ends, &mut |tracer, point| value(tracer, point).ok().map(|[x, _]| x));
-                // If the branch begins on it, it has turned at once.
+                // If the branch begins on it, the stop changes at once.
                 let (s, point) = located.unwrap_or_else(|| (0.0, a.clone()));
                 if first.as_ref().is_none_or(|first| s < first.s) {
                     let mut set = set.clone();
-                    set[index] = if *now == 0 { side } else { 0 };
-                    first = Some(Turn { set, index, point, s });
+                    set[index] = if now.is_none() { Some(side) } else { None };
+                    first = Some(StopChange { set, index, side, point, s });
                 }
             }
         }
         first
     }
 
-    /// The branch that goes on after a change, if there is one: `before` tells in which direction the parameter went.
-    pub(super) fn onward(&mut self, turn: &Turn, before: &[i8], parent: (usize, usize)) -> Option<Seed> {
-        let (q, parameter) = (turn.point.place.q.clone(), turn.point.parameter);
-        let stop = self.moving.stop(turn.index);
-        let now = turn.set[turn.index];
-        let side = if now == 0 { before[turn.index] } else { now };
-        let went = if turn.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
+    /// The branch that goes on after a change, if there is one.
+    pub(super) fn onward(&mut self, change: &StopChange, parent: (usize, usize)) -> Option<Seed> {
+        let (q, parameter) = (change.point.place.q.clone(), change.point.parameter);
+        let stop = self.moving.stop(change.index);
+        let bears = change.set[change.index].is_some();
+        let went = if change.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
         for sign in [went, -went] {
             let still = vec![0.0; self.moving.metric().inertia.len()];
             let towards = Direction { x: still, parameter: sign };
@@ -74,7 +73,7 @@ impl Tracer<'_> {
             let mut curve = self.curve();
             let Some(point) = curve.correct(q.clone(), parameter, &towards, step) else { continue };
             let Some(beside) = curve.ahead(&point, look) else { continue };
-            if clear(&mut self.moving, &stop, side, now != 0, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
+            if clear(&mut self.moving, &stop, change.side, bears, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
                 return Some(Seed { point, parent: Some(parent), beside: step });
             }
         }

@@ -1,8 +1,9 @@
 //! One branch, point by point.
 
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
+use crate::model::Side;
 use crate::statics::certify::bearing::Set;
-use crate::statics::certify::stability::Verdict;
+use crate::statics::certify::stability::StabilityVerdict;
 use crate::statics::family::{Count, Moving};
 use crate::statics::search::curve::{Curve, Direction, Family, Point};
 use crate::statics::search::illinois::illinois;
@@ -36,11 +37,12 @@ pub(super) struct Seed {
 
 /// What changes at the end of a branch.
 #[derive(Debug, Clone)]
-pub(super) struct Turn {
+pub(super) struct StopChange {
     /// The stops that bear from there on.
     pub set: Set,
-    /// Which of them has changed.
+    /// Which of them has changed, and on which side.
     pub index: usize,
+    pub side: Side,
     /// Where.
     pub point: Point,
     /// Arclength since the last point.
@@ -91,7 +93,7 @@ impl<'a> Tracer<'a> {
         &mut self,
         seed: Seed,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<(Branch, Option<Turn>), String> {
+    ) -> Result<(Branch, Option<StopChange>), String> {
         let parent = seed.parent;
         let first = seed.point;
         let mut count = self.moving.count(&first.place, first.parameter)?;
@@ -116,10 +118,10 @@ impl<'a> Tracer<'a> {
             let mut between = self.events(&here, &next, step, [count, next_count]);
             let mut leaves = self.marks(&here, &next, step, &mut between);
             between.sort_by(|a, b| a.s.total_cmp(&b.s));
-            let turn = self.turn(&here, &next, step);
-            let turn = turn.filter(|turn| !leaves || between.last().is_none_or(|last| turn.s < last.s));
-            if let Some(turn) = &turn {
-                between.retain(|one| one.s < turn.s);
+            let change = self.change(&here, &next, step);
+            let change = change.filter(|change| !leaves || between.last().is_none_or(|last| change.s < last.s));
+            if let Some(change) = &change {
+                between.retain(|one| one.s < change.s);
                 leaves = false;
             }
             for one in between {
@@ -129,17 +131,16 @@ impl<'a> Tracer<'a> {
                 };
                 self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
             }
-            if let Some(turn) = turn {
-                let count = self.moving.count(&turn.point.place, turn.point.parameter)?;
-                let (stop, lifts) = (self.moving.stop(turn.index), turn.set[turn.index] == 0);
+            if let Some(change) = change {
+                let count = self.moving.count(&change.point.place, change.point.parameter)?;
+                let (stop, lifts) = (self.moving.stop(change.index), change.set[change.index].is_none());
                 let kind = if lifts { EventKind::Lift } else { EventKind::Stop };
                 let carriers = vec![self.moving.model().owner(stop.velocity).to_owned()];
                 let event = Event { kind, directions: 1, carriers };
-                self.push(&mut branch, &turn.point, count, arclength + turn.s, Some(event), false)?;
-                let side = if lifts { self.moving.set()[turn.index] } else { turn.set[turn.index] };
-                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(f64::from(side)));
+                self.push(&mut branch, &change.point, count, arclength + change.s, Some(event), false)?;
+                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(change.side));
                 branch.end = End::Stop { hinge, limit, lifts };
-                return Ok((branch, Some(turn)));
+                return Ok((branch, Some(change)));
             }
             if leaves {
                 let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
@@ -188,9 +189,9 @@ impl<'a> Tracer<'a> {
         let mut found = Vec::new();
         let [before, after] = counts;
         let changes = before.negative.abs_diff(after.negative);
-        let turns = a.ahead.parameter * b.ahead.parameter < 0.0;
+        let folds = a.ahead.parameter * b.ahead.parameter < 0.0;
         let mut others = changes;
-        if turns {
+        if folds {
             let ends = [(0.0, a.ahead.parameter), (step, b.ahead.parameter)];
             let small = 1e-12 * self.settings.step * self.moving.metric().range;
             let located = self.curve().root(a, ends, small, &mut |_, point| Some(point.ahead.parameter));
@@ -201,7 +202,7 @@ impl<'a> Tracer<'a> {
                 found.push(self.event(s, point, kind, 1));
             }
         }
-        if others > 0 && !turns {
+        if others > 0 && !folds {
             let located = self.singular(a, step, [before, after]);
             found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Bifurcation, others)));
         }
@@ -370,9 +371,9 @@ impl<'a> Tracer<'a> {
     ) -> Result<(), String> {
         let record = self.moving.record(&point.place.q, point.parameter)?;
         let verdict = match (count.unstable, count.neutral) {
-            (0, 0) => Verdict::Stable,
-            (0, _) => Verdict::Neutral,
-            _ => Verdict::Unstable,
+            (0, 0) => StabilityVerdict::Stable,
+            (0, _) => StabilityVerdict::Neutral,
+            _ => StabilityVerdict::Unstable,
         };
         branch.points.push(PathPoint {
             parameter: point.parameter,

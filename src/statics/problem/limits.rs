@@ -13,7 +13,7 @@
 use super::place::{BALANCED, Place};
 use super::{Landscape, Scales};
 use crate::dynamics::{Fault, Magnitudes};
-use crate::model::{Model, Stop};
+use crate::model::{Model, Side, Stop};
 
 /// A start that is nearer to a limit than this (rad, or part of the scene's length) stands on it.
 const TOUCHES: f64 = 1e-12;
@@ -23,8 +23,8 @@ const TOUCHES: f64 = 1e-12;
 pub(in crate::statics) struct Weak {
     /// Index of the velocity coordinate.
     pub velocity: usize,
-    /// −1 at the low limit, 1 at the high one.
-    pub side: f64,
+    /// At which limit.
+    pub side: Side,
     /// Size of the stiffness terms there (N/m, N m/rad).
     pub stiffness: f64,
 }
@@ -84,22 +84,10 @@ impl Limits {
     /// Brings a position within the rigid limits. What is not a number stays that.
     pub(in crate::statics) fn project(&self, q: &mut [f64]) {
         for stop in self.rigid() {
-            let value = &mut q[stop.position];
-            if *value < stop.range[0] {
-                *value = stop.range[0];
-            } else if *value > stop.range[1] {
-                *value = stop.range[1];
+            if let Some(side) = stop.passed(q[stop.position], 0.0) {
+                q[stop.position] = stop.limit(side);
             }
         }
-    }
-}
-
-/// The side of a rigid limit at which a position stands: −1, 1, or 0 for none.
-fn side(stop: &Stop, q: &[f64]) -> f64 {
-    match q[stop.position] {
-        value if value <= stop.range[0] => -1.0,
-        value if value >= stop.range[1] => 1.0,
-        _ => 0.0,
     }
 }
 
@@ -110,10 +98,8 @@ pub(in crate::statics) fn within_limits(model: &Model, q: &[f64]) -> Vec<f64> {
         let unit = if slides[stop.velocity] { model.length_scale() } else { 1.0 };
         let value = within[stop.position];
         let slack = TOUCHES * unit.max(value.abs());
-        if value <= stop.range[0] + slack {
-            within[stop.position] = stop.range[0];
-        } else if value >= stop.range[1] - slack {
-            within[stop.position] = stop.range[1];
+        if let Some(side) = stop.reached(value, slack) {
+            within[stop.position] = stop.limit(side);
         }
     }
     within
@@ -146,11 +132,11 @@ impl Landscape<'_> {
         let Some(limits) = &mut self.limits else { return Ok(None) };
         let (mut held, mut weak) = (vec![false; self.rest.len()], Vec::new());
         for stop in limits.stops.iter().filter(|stop| stop.is_rigid()) {
-            let side = side(stop, q);
-            let Some(row) = unlocked.binary_search(&stop.velocity).ok().filter(|_| side != 0.0) else { continue };
+            let Some(side) = stop.reached(q[stop.position], 0.0) else { continue };
+            let Ok(row) = unlocked.binary_search(&stop.velocity) else { continue };
             let nothing = BALANCED * scales.force[row] + scales.noise[row];
             // Eq. (2): it never pulls.
-            held[stop.velocity] = side * force[row] >= -nothing || stop.range[0] == stop.range[1];
+            held[stop.velocity] = side.sign() * force[row] >= -nothing || stop.range[0] == stop.range[1];
             if force[row].abs() <= nothing && stop.range[0] < stop.range[1] {
                 weak.push(Weak { velocity: stop.velocity, side, stiffness: scales.stiffness[row] });
             }
@@ -195,8 +181,8 @@ impl Landscape<'_> {
     pub(in crate::statics) fn blocked(&self, q: &[f64], x: &[f64]) -> Vec<usize> {
         let Some(limits) = &self.limits else { return Vec::new() };
         let passes = |stop: &&Stop| {
-            let row = self.free.binary_search(&stop.velocity);
-            row.is_ok_and(|row| side(stop, q) * x[row] > 0.0)
+            let Some(side) = stop.reached(q[stop.position], 0.0) else { return false };
+            self.free.binary_search(&stop.velocity).is_ok_and(|row| side.sign() * x[row] > 0.0)
         };
         limits.rigid().filter(passes).map(|stop| stop.velocity).collect()
     }
@@ -208,11 +194,8 @@ impl Landscape<'_> {
         for stop in limits.rigid() {
             let Ok(row) = self.free.binary_search(&stop.velocity) else { continue };
             let value = q[stop.position];
-            let end = value + x[row];
-            if end < stop.range[0] {
-                cut.get_or_insert_with(|| x.to_vec())[row] = stop.range[0] - value;
-            } else if end > stop.range[1] {
-                cut.get_or_insert_with(|| x.to_vec())[row] = stop.range[1] - value;
+            if let Some(side) = stop.passed(value + x[row], 0.0) {
+                cut.get_or_insert_with(|| x.to_vec())[row] = stop.limit(side) - value;
             }
         }
         cut

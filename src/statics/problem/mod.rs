@@ -1,12 +1,23 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `place` | a position of the search: its unbalanced forces, and whether they prove a balance |
+//! | `stiffness` | the stiffness of the free coordinates, factorized; `linear` has dense matrices, `sizes` what their entries are compared with |
+//! | `limits` | limits of hinges in a tree: which are active at a place |
+//! | `ties` | closed positions: the landscape of a scene with loops, drives and gears |
+//! | `split`, `row_space` | what rows hold and what they leave free at a position: dense, and of many rows sparse |
+//! | `bordered` | rows beside a sweep, without a matrix of the size of the scene |
+//! | `prestress`, `taut` | self-stresses of linearly dependent rows, and loads across rows that are taut |
+//! | `assembled` | what the assembly of a scene has decided, kept as its numbers move |
 
 pub(in crate::statics) mod assembled;
 pub(in crate::statics) mod bordered;
-mod held;
 mod limits;
 pub(in crate::statics) mod linear;
 pub(in crate::statics) mod place;
 mod prestress;
+mod row_space;
 pub(in crate::statics) mod sizes;
 mod split;
 mod stiffness;

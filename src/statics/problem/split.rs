@@ -14,7 +14,7 @@
 //! instead of `n × (n − m)`. Where rows are linearly dependent the branch decides what is held beside `V₁`: of what was held
 //! before, the part that no row feels here, `Q y` with `V₁ᵀ Q y = 0`.
 
-use super::held::Held;
+use super::row_space::RowSpace;
 use crate::sparse::{Gram, SparseRows};
 use faer::linalg::solvers::Qr;
 use faer::{Mat, Par};
@@ -45,7 +45,7 @@ pub(in crate::statics) enum Motions {
     /// By rows `C` that hold everything else, `Cᵀ B⁻¹ C = 1`.
     Across(Mat<f64>),
     /// By sparse rows that hold everything else.
-    Held(Arc<Held>),
+    Sparse(Arc<RowSpace>),
 }
 
 impl Motions {
@@ -65,7 +65,7 @@ impl Motions {
             (0..n).map(|i| columns[(i, j)] * x(i)).sum::<f64>()
         };
         match self {
-            Self::Held(held) => held.felt(force, metric),
+            Self::Sparse(space) => space.felt(force, metric),
             Self::Spanned(z) => {
                 let along: Vec<f64> = (0..z.ncols()).map(|j| times(z, j, &|i| force[i])).collect();
                 let part = |i: usize| metric[i] * along.iter().enumerate().map(|(j, a)| z[(i, j)] * a).sum::<f64>();
@@ -88,7 +88,7 @@ impl Motions {
     /// the roots of `Σ_j (B Z Zᵀ)ᵢⱼ² sⱼ`.
     pub(in crate::statics) fn felt_size(&self, squares: &[f64], metric: &[f64]) -> Vec<f64> {
         let columns = match self {
-            Self::Held(held) => return held.felt_size(squares, metric),
+            Self::Sparse(space) => return space.felt_size(squares, metric),
             Self::Spanned(columns) | Self::Across(columns) => columns,
         };
         let held = matches!(self, Self::Across(_));
@@ -106,8 +106,8 @@ impl Motions {
         match self {
             Self::Spanned(z) => z.clone(),
             Self::Across(c) => left(c.as_ref(), metric),
-            Self::Held(held) => {
-                let rows = held.rows();
+            Self::Sparse(space) => {
+                let rows = space.rows();
                 let mut c = Mat::zeros(metric.len(), rows.len());
                 (0..rows.len()).for_each(|j| rows.row(j).for_each(|(i, value)| c[(i, j)] = value));
                 left(c.as_ref(), metric)
@@ -122,7 +122,7 @@ impl Motions {
             Self::Across(c) => {
                 Across::Full((0..c.ncols()).map(|j| (0..c.nrows()).map(|i| c[(i, j)]).collect()).collect())
             }
-            Self::Held(held) => Across::Sparse(Arc::clone(held)),
+            Self::Sparse(space) => Across::Sparse(Arc::clone(space)),
         }
     }
 }
@@ -133,7 +133,7 @@ pub(in crate::statics) enum Across {
     /// One list for each row.
     Full(Vec<Vec<f64>>),
     /// For a tangent that is a sparse matrix.
-    Sparse(Arc<Held>),
+    Sparse(Arc<RowSpace>),
 }
 
 /// `Z` of what rows, the columns of `c`, leave.
@@ -285,7 +285,7 @@ pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>, before: Op
     let SparseGiven { rows, plain, force, metric } = given;
     let ones = vec![1.0; metric.len()];
     let like = match before {
-        Some(Motions::Held(held)) => Some(held.gram()),
+        Some(Motions::Sparse(space)) => Some(space.gram()),
         _ => None,
     };
     let of_plain = Gram::of_like(&plain, &ones, like)?;
@@ -295,8 +295,8 @@ pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>, before: Op
     if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
         return None;
     }
-    let held = Held::of(rows, metric, &of_plain)?;
-    let multipliers = held.multipliers(force, metric);
+    let space = RowSpace::of(rows, metric, &of_plain)?;
+    let multipliers = space.multipliers(force, metric);
     let regular = met.map_or(least, |met| met.max(least));
-    Some(Split { motions: Motions::Held(Arc::new(held)), multipliers, singular: false, regular })
+    Some(Split { motions: Motions::Sparse(Arc::new(space)), multipliers, singular: false, regular })
 }

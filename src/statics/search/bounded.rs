@@ -94,7 +94,7 @@ fn borne(model: &Model, q: &[f64]) -> Set {
     let mut set = bearing::touching(model, q);
     for (side, stop) in set.iter_mut().zip(&model.stops) {
         if !stop.is_rigid() && stop.pressed(q).is_none() {
-            *side = 0;
+            *side = None;
         }
     }
     set

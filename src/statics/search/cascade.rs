@@ -18,7 +18,7 @@ use crate::model::problem::number;
 use crate::statics::baseline::{lagrange, relaxation};
 use crate::statics::certify::closed;
 use crate::statics::certify::falling::Fall;
-use crate::statics::certify::stability::{MOST_DENSE, Verdict, classify};
+use crate::statics::certify::stability::{MOST_DENSE, StabilityVerdict, classify};
 use crate::statics::effort::{Effort, Iteration, Stage};
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
@@ -218,7 +218,7 @@ impl<'c, 's> Cascade<'c, 's> {
                 }
             };
             let Some(stability) = stability else { return Ok(None) };
-            let leaves = stability.verdict == Verdict::Unstable;
+            let leaves = stability.verdict == StabilityVerdict::Unstable;
             let fastest = stability.modes.into_iter().max_by(|a, b| a.growth_rate.total_cmp(&b.growth_rate));
             Ok(fastest.filter(|_| leaves).map(|mode| mode.shape))
         };

@@ -38,7 +38,7 @@ use std::sync::Arc;
 /// ```
 /// use stillpoint::model::Model;
 /// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
-/// use stillpoint::statics::{Settings, Verdict, equilibrium};
+/// use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
 ///
 /// // A weight on a slide with a spring: it sinks by m g / k.
 /// let slide = HingeDescription::prismatic([0.0, 0.0, 1.0]).stiffness([100.0]);
@@ -47,7 +47,7 @@ use std::sync::Arc;
 /// let found = equilibrium(&model, &Settings::default(), &model.start_position)?;
 /// assert!(found.converged && found.residual_force < 1e-9);
 /// assert!((found.position[0] + 2.0 * 9.80665 / 100.0).abs() < 1e-12);
-/// assert_eq!(found.stability.expect("an equilibrium").verdict, Verdict::Stable);
+/// assert_eq!(found.stability.expect("an equilibrium").verdict, StabilityVerdict::Stable);
 /// # Ok::<(), stillpoint::dynamics::Fault>(())
 /// ```
 ///

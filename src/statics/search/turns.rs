@@ -12,8 +12,8 @@
 use super::free::search_free;
 use super::{Search, bounded};
 use crate::dynamics::{Fault, System};
-use crate::model::{Model, StopLaw};
-use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, limit, load, touching, unit, with};
+use crate::model::{Model, Side, StopLaw};
+use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, load, touching, unit, with};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::problem::Landscape;
 use crate::statics::settings::Want;
@@ -50,9 +50,9 @@ fn by_turns(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
         seen.insert(set.clone());
         let Some((bearing, guess)) = with(model, &set, start) else {
             // The loops have no position on all of them: the others make way for the one that came last.
-            let last = |(index, side): (usize, &i8)| if Some(index) == added { *side } else { 0 };
+            let last = |(index, side): (usize, &Option<Side>)| side.filter(|_| Some(index) == added);
             let alone: Set = set.iter().enumerate().map(last).collect();
-            set = if seen.contains(&alone) { vec![0; set.len()] } else { alone };
+            set = if seen.contains(&alone) { vec![None; set.len()] } else { alone };
             if seen.contains(&set) {
                 return nowhere(search);
             }
@@ -76,7 +76,7 @@ fn by_turns(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
             (found.stages, found.iterations, found.force_evaluations) = (stages, steps, evaluations);
             return finish(model, &set, &bearing, found);
         };
-        added = (0..set.len()).find(|index| set[*index] == 0 && next[*index] != 0);
+        added = (0..set.len()).find(|index| set[*index].is_none() && next[*index].is_some());
         set = next;
     }
 }
@@ -114,31 +114,28 @@ fn revised(
 ) -> Result<Option<Set>, Fault> {
     let (held, sizes) = held(bearing, found)?;
     let mut next = set.clone();
-    let mut passed: Vec<(f64, usize, i8)> = Vec::new();
+    let mut passed: Vec<(f64, usize, Side)> = Vec::new();
     for (index, side) in next.iter_mut().enumerate() {
         let stop = &model.stops[index];
         let value = found.position[stop.position];
         let slack = PASSED * unit(model, stop.velocity).max(value.abs());
-        if *side != 0 {
+        if let Some(bears) = *side {
             let pulls = match stop.law {
-                StopLaw::Rigid { .. } => {
-                    load(model, index, *side, &found.position, &held) < -PULLS * sizes[stop.velocity]
-                }
-                StopLaw::Compliant { .. } => stop.depth(f64::from(*side), &found.position) < -slack,
+                StopLaw::Rigid { .. } => load(stop, bears, &found.position, &held) < -PULLS * sizes[stop.velocity],
+                StopLaw::Compliant { .. } => stop.depth(bears, &found.position) < -slack,
             };
             if pulls {
-                *side = 0;
+                *side = None;
             }
-        } else if value < stop.range[0] - slack || value > stop.range[1] + slack {
-            let towards: i8 = if value < stop.range[0] { -1 } else { 1 };
+        } else if let Some(towards) = stop.passed(value, slack) {
             let from = start[stop.position];
-            passed.push(((limit(model, index, towards) - from) / (value - from), index, towards));
+            passed.push(((stop.limit(towards) - from) / (value - from), index, towards));
         }
     }
     passed.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Coordinates of loops follow each other: the first stop on the way may keep the others from being passed.
     let count = if model.is_constrained() { 1 } else { passed.len() };
-    passed.iter().take(count).for_each(|(_, index, towards)| next[*index] = *towards);
+    passed.iter().take(count).for_each(|(_, index, towards)| next[*index] = Some(*towards));
     Ok((next != *set).then_some(next))
 }
 
@@ -148,19 +145,19 @@ fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: 
     let mut system = System::new(bearing);
     let mut landscape = Landscape::new(&mut system, guess)?;
     let force = landscape.force(guess)?;
-    let mut first: Option<(f64, usize, i8)> = None;
-    for (index, stop) in model.stops.iter().enumerate().filter(|(index, _)| set[*index] == 0) {
+    let mut first: Option<(f64, usize, Side)> = None;
+    for (index, stop) in model.stops.iter().enumerate().filter(|(index, _)| set[*index].is_none()) {
         let Some(row) = landscape.free.iter().position(|i| *i == stop.velocity) else { continue };
         let speed = force[row] / landscape.metric[row];
-        let towards: i8 = if speed < 0.0 { -1 } else { 1 };
-        let time = (limit(model, index, towards) - guess[stop.position]) / speed;
+        let towards = if speed < 0.0 { Side::Low } else { Side::High };
+        let time = (stop.limit(towards) - guess[stop.position]) / speed;
         if time.is_finite() && first.is_none_or(|first| time < first.0) {
             first = Some((time, index, towards));
         }
     }
     Ok(first.map(|(_, index, towards)| {
         let mut next = set.clone();
-        next[index] = towards;
+        next[index] = Some(towards);
         next
     }))
 }
@@ -171,10 +168,10 @@ fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set
     let mut residual = rest.clone();
     System::new(model).at(0.0, start, &rest).residual(&rest, &mut residual)?;
     let mut next = set.clone();
-    for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| **side == 0) {
-        let towards: i8 = if residual[stop.velocity] > 0.0 { -1 } else { 1 };
-        if stop.limit(f64::from(towards)).is_finite() && residual[stop.velocity] != 0.0 {
-            *side = towards;
+    for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| side.is_none()) {
+        let towards = if residual[stop.velocity] > 0.0 { Side::Low } else { Side::High };
+        if stop.limit(towards).is_finite() && residual[stop.velocity] != 0.0 {
+            *side = Some(towards);
         }
     }
     Ok((next != *set).then_some(next))

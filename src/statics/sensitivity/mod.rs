@@ -465,7 +465,8 @@ fn one_sided(model: &Model, found: &Equilibrium, set: &Set, largest: f64) -> Vec
         let load = found.stops.iter().find(|one| one.hinge == hinge).map_or(0.0, |one| one.load);
         let lever = bearing::unit(model, stop.velocity);
         match set[index] {
-            0 => (touched[index] != 0)
+            None => touched[index]
+                .is_some()
                 .then(|| format!("the stop of {hinge} touches and bears nothing: sensitivities are those without it")),
             _ if load * lever <= LIFTS * largest => {
                 Some(format!("the stop of {hinge} bears next to nothing: sensitivities hold as long as it bears"))

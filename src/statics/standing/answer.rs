@@ -33,7 +33,7 @@ pub struct FrictionForce {
 
 /// Whether a pose stands.
 #[derive(Debug, Clone)]
-pub struct Standing {
+pub struct StandingReport {
     /// The verdict.
     pub verdict: Verdict,
     /// What there is to spare, or is lacking (negative), in parts of the loads.

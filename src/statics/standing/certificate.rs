@@ -4,7 +4,7 @@ use super::super::certify::equilibrium::{Equilibrium, examine};
 use super::super::certify::stability;
 use super::super::problem::assembled::Assembled;
 use super::super::settings::{Settings, Want};
-use super::{Standing, Unanswered};
+use super::{StandingReport, Unanswered};
 use crate::contact::support::Verdict;
 use crate::model::description::{Attachment, ForceDescription, Point};
 use crate::model::problem::in_one_line;
@@ -19,18 +19,16 @@ pub(super) fn certificate(
     model: &Arc<Model>,
     settings: &Settings,
     pose: &[f64],
-    standing: &Standing,
+    standing: &StandingReport,
 ) -> Result<Equilibrium, Unanswered> {
     let loaded = loaded(description, model, pose, standing);
     let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
     let built = Model::build(&loaded).map_err(|problems| Unanswered::Open(in_one_line(&problems)))?;
     let built = assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose);
     // What sticks holds its coordinate, as a lock does.
-    let mut held = Arc::unwrap_or_clone(built);
     let sticking = standing.friction.iter().flat_map(|one| one.velocity..one.velocity + one.force.len());
     let sticking: Vec<usize> = sticking.chain(standing.stop_forces.iter().map(|(velocity, _)| *velocity)).collect();
-    sticking.iter().for_each(|velocity| held.coordinates[*velocity].lock = true);
-    let held = Arc::new(held);
+    let held = built.locking(sticking.iter().copied());
     let mut found = examine(&held, settings, pose, "standing", Vec::new())?;
     found.holding.retain(|(name, _)| !sticking.iter().any(|velocity| model.label(*velocity) == *name));
     let stands = standing.verdict == Verdict::Stands;
@@ -38,7 +36,8 @@ pub(super) fn certificate(
     if !standing.contacts.is_empty() {
         found.stability.clone_from(&standing.stability);
     }
-    let unstable = found.stability.as_ref().is_some_and(|stability| stability.verdict == stability::Verdict::Unstable);
+    let unstable =
+        found.stability.as_ref().is_some_and(|stability| stability.verdict == stability::StabilityVerdict::Unstable);
     found.converged &= !(unstable && settings.want == Want::Stable);
     if !stands {
         (found.balanced, found.stability) = (false, None);
@@ -47,7 +46,7 @@ pub(super) fn certificate(
 }
 
 /// The scene with the forces of contacts and stops as loads and hinge forces.
-fn loaded(description: &Description, model: &Model, pose: &[f64], standing: &Standing) -> Description {
+fn loaded(description: &Description, model: &Model, pose: &[f64], standing: &StandingReport) -> Description {
     let mut motion = Motion::new(model);
     motion.update(model, pose, &vec![0.0; model.velocity_count()]);
     let mut loaded = description.clone();

@@ -10,6 +10,16 @@
 //!
 //! `f` is what the balance of the hinges lacks at rest. The size of the loads is that of the largest part of `f`, moments by
 //! the scene's length. What stands is the pose, bit for bit.
+//!
+//! | file | its one job |
+//! |---|---|
+//! | `answer` | what is said of a pose |
+//! | `closed` | which contacts are closed in it |
+//! | `supports` | (1): what bears in it, and the load |
+//! | `margins` | how far numbers of the scene may go, and how far it may be tilted |
+//! | `mechanism`, `rolling` | how it gives way, and the motions that contacts leave free without sliding |
+//! | `certificate`, `pushed` | its certificate, and contacts as loads |
+//! | `settle` | from a guess that does not stand to a pose that does |
 
 pub(super) mod answer;
 mod certificate;
@@ -22,7 +32,7 @@ mod settle;
 mod supports;
 
 pub use crate::contact::pairs::Untouchable;
-pub use answer::{ContactForce, FrictionForce, Standing};
+pub use answer::{ContactForce, FrictionForce, StandingReport};
 pub use closed::Contact;
 pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
@@ -31,7 +41,7 @@ pub use pushed::with_contacts;
 use self::closed::Scene;
 use self::supports::{Bearers, Bears};
 use super::certify::equilibrium::Equilibrium;
-use super::inverse::Held;
+use super::inverse::InverseAnswer;
 use super::search::{Observers, equilibrium_observed};
 use super::settings::{Margin, Settings};
 use crate::contact::support::Undecided;
@@ -123,12 +133,10 @@ fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Re
     if model.beams.is_empty() {
         return Ok(pose.clone());
     }
-    let mut held = Model::clone(model);
-    let swings = |link: &Link| held.beams.iter().any(|beam| beam.is_cable && beam.root == link.body);
-    let hinges = held.links.iter().filter(|link| !link.joint.is_flex() && !swings(link));
-    let hinges: Vec<usize> = hinges.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1).collect();
-    hinges.into_iter().for_each(|velocity| held.coordinates[velocity].lock = true);
-    let held = Arc::new(held);
+    let swings = |link: &Link| model.beams.iter().any(|beam| beam.is_cable && beam.root == link.body);
+    let hinges = model.links.iter().filter(|link| !link.joint.is_flex() && !swings(link));
+    let hinges = hinges.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1);
+    let held = Arc::clone(model).locking(hinges);
     if model.contacts.is_empty() {
         let observers = Observers { go_on: Some(go_on), ..Observers::default() };
         return Ok(equilibrium_observed(&held, settings, pose, observers)?.position);
@@ -165,7 +173,7 @@ pub fn standing(
     settings: &Settings,
     asked: &Margin,
     pose: &[f64],
-) -> Result<Standing, Unanswered> {
+) -> Result<StandingReport, Unanswered> {
     if let Some(drive) = model.drives.iter().find(|drive| drive.motion.at(0.0).velocity != 0.0) {
         let why = format!("drive `{}` moves at t = 0: whether a scene stands is asked of scenes at rest", drive.name);
         return Err(Unanswered::Open(why));
@@ -203,7 +211,7 @@ pub fn standing(
         }
         _ => None,
     };
-    Ok(Standing {
+    Ok(StandingReport {
         stability,
         verdict: found.verdict,
         slack: found.slack,
@@ -247,19 +255,19 @@ fn forces(model: &Model, scene: &Scene, bearers: &Bearers, all: &[f64]) -> Force
                     share,
                 });
             }
-            Bears::Stop { velocity, sign } => stops.push((*velocity, sign * f[0])),
+            Bears::Stop { velocity, side } => stops.push((*velocity, -side.sign() * f[0])),
             Bears::Other => {}
         }
     }
     Forces { contacts, friction, stops }
 }
 
-/// What contacts bear in a pose, and nothing else of [`Standing`].
+/// What contacts bear in a pose, and nothing else of [`StandingReport`].
 #[derive(Debug, Clone)]
-pub struct Bearing {
+pub struct BearingContacts {
     /// The verdict.
     pub verdict: Verdict,
-    /// Of closed contacts, as in [`Standing::contacts`].
+    /// Of closed contacts, as in [`StandingReport::contacts`].
     pub contacts: Vec<ContactForce>,
     /// How it gives way if it falls.
     pub mechanism: Mechanism,
@@ -270,13 +278,13 @@ pub struct Bearing {
 ///
 /// # Errors
 /// [`Unanswered`].
-pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<Bearing, Unanswered> {
+pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<BearingContacts, Unanswered> {
     let mut scene = Scene::new(model, pose, gap)?;
     let mut bearers = Bearers::new(model, pose, &scene)?;
     let found = bearers.judge(&mut scene)?;
     let mechanism = mechanism::mechanism(model, pose, &scene, &bearers, &found.motion);
     let contacts = forces(model, &scene, &bearers, &found.forces).contacts;
-    Ok(Bearing { verdict: found.verdict, contacts, mechanism })
+    Ok(BearingContacts { verdict: found.verdict, contacts, mechanism })
 }
 
 /// Whether shapes overlap in a pose by more than `gap` times the size of the smaller one.
@@ -292,12 +300,12 @@ pub fn overlap(model: &Model, gap: f64, pose: &[f64]) -> Result<(), Unanswered> 
 /// within the ranges, as contacts do not pull, or where there are none, the scene's own values clamped into them.
 pub(super) fn inputs(
     description: &Description,
-    mut held: Held,
+    mut held: InverseAnswer,
     model: &Arc<Model>,
     unknown: &[Parameter],
     settings: &Settings,
     asked: &Margin,
-) -> Result<Held, Unanswered> {
+) -> Result<InverseAnswer, Unanswered> {
     if !is_for(model) {
         return Ok(held);
     }
@@ -322,5 +330,5 @@ pub(super) fn inputs(
     found.unknowns.clone_from(&held.found.unknowns);
     found.method = "inverse";
     found.standing = Some(Box::new(given));
-    Ok(Held { found, ..held })
+    Ok(InverseAnswer { found, ..held })
 }

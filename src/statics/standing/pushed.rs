@@ -22,7 +22,5 @@ pub fn with_contacts(model: &Arc<Model>, q: &[f64], contacts: &[ContactForce]) -
             forces.push(Force { name, law: Law::Load(LoadLaw::dead(on, force)) });
         }
     }
-    let mut loaded = Model::clone(model);
-    loaded.forces = forces.into();
-    Arc::new(loaded)
+    model.with_forces(forces)
 }

@@ -17,8 +17,8 @@ use crate::dynamics::System;
 use crate::model::Model;
 use crate::motion::displace;
 use crate::sparse::{SparseRows, kernel};
-use crate::statics::certify::modes::Mode;
-use crate::statics::certify::stability::{Stability, Verdict};
+use crate::statics::certify::modes::NaturalMode;
+use crate::statics::certify::stability::{Stability, StabilityVerdict};
 use crate::statics::problem::sizes::NEUTRAL;
 use crate::transfer::mass::MassAction;
 use faer::{Mat, Side};
@@ -43,7 +43,7 @@ pub(super) fn stability(
             Ok(modes) => modes,
             // Nothing presses where it would have to give way: it is free there, to one side.
             Err(Unanswered::Untouchable(_)) => {
-                let (verdict, modes, damped) = (Verdict::Neutral, Vec::new(), Vec::new());
+                let (verdict, modes, damped) = (StabilityVerdict::Neutral, Vec::new(), Vec::new());
                 return Ok(Stability { verdict, unstable_directions: 0, neutral_directions: k, modes, damped });
             }
             Err(other) => return Err(other),
@@ -52,9 +52,9 @@ pub(super) fn stability(
     let unstable = modes.iter().filter(|mode| mode.growth_rate > 0.0).count();
     let neutral = modes.iter().filter(|mode| mode.growth_rate == 0.0 && mode.frequency_hz == 0.0).count();
     let verdict = match (unstable, neutral) {
-        (0, 0) => Verdict::Stable,
-        (0, _) => Verdict::Neutral,
-        _ => Verdict::Unstable,
+        (0, 0) => StabilityVerdict::Stable,
+        (0, _) => StabilityVerdict::Neutral,
+        _ => StabilityVerdict::Unstable,
     };
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped: Vec::new() })
 }
@@ -88,7 +88,7 @@ fn rolling(
     gap: f64,
     bearers: &Bearers,
     free: &Mat<f64>,
-) -> Result<Vec<Mode>, Unanswered> {
+) -> Result<Vec<NaturalMode>, Unanswered> {
     let (n, k) = (free.nrows(), free.ncols());
     let length = model.length_scale();
     let in_scene = |row: usize| bearers.supports.unit(row);
@@ -146,7 +146,7 @@ fn mass(model: &Arc<Model>, pose: &[f64], bearers: &Bearers, free: &Mat<f64>) ->
 }
 
 /// The roots of (3): running away first, then neutral, then by frequency.
-fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f64>, length: f64) -> Vec<Mode> {
+fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f64>, length: f64) -> Vec<NaturalMode> {
     let k = free.ncols();
     let Ok(factor) = mass.llt(Side::Lower) else { return Vec::new() };
     use faer::linalg::solvers::Solve;
@@ -156,7 +156,7 @@ fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f6
     let size = bearers.load.iter().fold(0.0_f64, |most, load| most.max(load.abs())) / length;
     let lightest = (0..k).map(|i| mass[(i, i)]).fold(f64::INFINITY, f64::min);
     let zero = 1e2 * NEUTRAL.max(STEP * STEP) * size / lightest;
-    let mut modes: Vec<Mode> = (0..k)
+    let mut modes: Vec<NaturalMode> = (0..k)
         .map(|i| {
             let value = eigen.S()[i];
             let (square, flutter) = (value.re, value.im.abs());
@@ -170,10 +170,15 @@ fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f6
                 })
                 .collect::<Vec<f64>>();
             let largest = shape.iter().fold(f64::MIN_POSITIVE, |most, x| if x.abs() > most.abs() { *x } else { most });
-            Mode { frequency_hz, growth_rate, shape: shape.iter().map(|x| x / largest).collect(), shares: Vec::new() }
+            NaturalMode {
+                frequency_hz,
+                growth_rate,
+                shape: shape.iter().map(|x| x / largest).collect(),
+                shares: Vec::new(),
+            }
         })
         .collect();
-    let order = |mode: &Mode| (mode.growth_rate == 0.0, mode.frequency_hz);
+    let order = |mode: &NaturalMode| (mode.growth_rate == 0.0, mode.frequency_hz);
     modes.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
     modes
 }

@@ -253,7 +253,7 @@ impl Search<'_, '_> {
             let rates = support.rates(&step.full);
             let opened = match support.id {
                 Id::Contact(key) => self.pairs.meeting(&key).map_or(rates.x, |meeting| meeting.gap - support.gap),
-                Id::Stop(..) | Id::Friction(_) => rates.x,
+                Id::Stop(_) | Id::Friction(_) => rates.x,
             };
             fall -= force.x * opened + force.y * rates.y + force.z * rates.z;
         }

@@ -4,7 +4,7 @@ use super::closed::Scene;
 use crate::contact::frame::column_of;
 use crate::contact::support::{self, Cone, Rim, Supports, Undecided};
 use crate::dynamics::{Fault, System};
-use crate::model::Model;
+use crate::model::{Model, Side};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -27,8 +27,8 @@ pub(super) enum Bears {
     Contact(usize),
     /// Dry friction of a hinge, from this velocity coordinate on.
     Friction { velocity: usize },
-    /// A rigid stop that is touched; the force on its coordinate is `sign` times what it bears.
-    Stop { velocity: usize, sign: f64 },
+    /// A side of a rigid stop that is touched.
+    Stop { velocity: usize, side: Side },
     /// A loop, drive, gear or lock.
     Other,
 }
@@ -86,14 +86,14 @@ impl Bearers {
         }
         for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
             let (at, near) = (pose[stop.position], TOUCHES * if units[stop.velocity] == 1.0 { length } else { 1.0 });
-            for (limit, sign) in [(stop.range[0], 1.0), (stop.range[1], -1.0)] {
-                if (at - limit).abs() <= near {
+            for side in Side::ALL {
+                if (at - stop.limit(side)).abs() <= near {
                     let velocity = stop.velocity;
                     bearers.add(
-                        Bears::Stop { velocity, sign },
+                        Bears::Stop { velocity, side },
                         Cone::Ray,
                         units[velocity],
-                        vec![vec![(velocity, sign)]],
+                        vec![vec![(velocity, -side.sign())]],
                     );
                 }
             }

@@ -8,7 +8,7 @@ use stillpoint::model::Model;
 use stillpoint::model::description::{
     BeamDescription, BodyDescription, Description, GROUND, HingeDescription, OutputDescription, QuantityDescription,
 };
-use stillpoint::statics::{Equilibrium, Verdict};
+use stillpoint::statics::{Equilibrium, StabilityVerdict};
 
 /// Without bending stiffness.
 fn cable(name: &str, [from, to]: [Vector3<f64>; 2], stiffness: f64, mass: f64) -> BeamDescription {
@@ -19,7 +19,7 @@ fn cable(name: &str, [from, to]: [Vector3<f64>; 2], stiffness: f64, mass: f64) -
 }
 
 fn is_stable(found: &Equilibrium) -> bool {
-    found.stability.as_ref().is_some_and(|stability| stability.verdict == Verdict::Stable)
+    found.stability.as_ref().is_some_and(|stability| stability.verdict == StabilityVerdict::Stable)
 }
 
 /// What the ground passes to the root of the first cable.

@@ -10,7 +10,7 @@ use stillpoint::record::{Fanout, Memory, Opening};
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::{State, run};
 use stillpoint::statics::path::{EventKind, PathPoint, follow};
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium, outputs};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium, outputs};
 
 fn solved(name: &str, changes: &[&str]) -> (Scenario, Arc<Model>, Equilibrium) {
     let (scenario, model) = shipped(name, changes);
@@ -234,7 +234,11 @@ fn spun_up() {
 fn structures_stand() {
     for name in ["crane_boom", "compliant_arm", "mooring_line", "footbridge"] {
         let (_, _, found) = solved(&format!("beams/{name}"), &[]);
-        assert_eq!(found.stability.as_ref().map(|stability| stability.verdict), Some(Verdict::Stable), "{name}");
+        assert_eq!(
+            found.stability.as_ref().map(|stability| stability.verdict),
+            Some(StabilityVerdict::Stable),
+            "{name}"
+        );
     }
 }
 

@@ -9,7 +9,7 @@ use stillpoint::model::Model;
 use stillpoint::model::description::{
     BeamDescription, BeamShape, Description, ForceDescription, FreeStrains, HingeDescription, Load, LoadAxes,
 };
-use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 pub(super) fn case(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/beams/{name}.json"));
@@ -72,7 +72,7 @@ fn elastica() {
             let force = ForceDescription::load("tip", ("rod", "tip"), [0.0, load, 0.0]);
             let (model, found) = solve(&weightless(rod(elements, 1)).force(force));
             assert!(found.converged, "{load}: {:?}", found.notes);
-            assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(Verdict::Stable));
+            assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(StabilityVerdict::Stable));
             assert!(found.factorizations <= 40, "{load}: {} factorizations", found.factorizations);
             let (at, turn) = tip(&model, &found);
             let off = [1.0 - at.x - value[0], at.y - value[1], turn.angle() - value[2]];
@@ -183,7 +183,11 @@ fn columns_buckle_where_they_should() {
             let settings = Settings { want: Want::Any, ..Settings::default() };
             let found = equilibrium(&model, &settings, &model.start_position).expect("no fault");
             let verdict = found.stability.as_ref().map(|s| s.verdict);
-            assert_eq!(verdict, Some(if part < 1.0 { Verdict::Stable } else { Verdict::Unstable }), "{part}");
+            assert_eq!(
+                verdict,
+                Some(if part < 1.0 { StabilityVerdict::Stable } else { StabilityVerdict::Unstable }),
+                "{part}"
+            );
         }
     }
 }

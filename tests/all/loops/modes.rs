@@ -4,7 +4,7 @@ use super::read;
 use crate::common::{Random, relative_difference};
 use std::fmt::Write;
 use std::sync::Arc;
-use stillpoint::dynamics::{Held, Mode, System};
+use stillpoint::dynamics::{HeldRow, RowSelection, System};
 use stillpoint::model::Model;
 use stillpoint::model::prescribed::Instant;
 
@@ -45,11 +45,11 @@ fn accelerations(mut system: System, q: &[f64], v: &[f64]) -> Vec<f64> {
 }
 
 /// What drives ask for at t = 0, of a model that has them all.
-fn held(all: &Model, acting: usize) -> Vec<Held> {
+fn held(all: &Model, acting: usize) -> Vec<HeldRow> {
     let asked = |index: usize| {
         let drive = &all.drives[index];
         let at: Instant = drive.motion.at(0.0);
-        Held::Coordinate { coordinate: drive.coordinate, at }
+        HeldRow::Coordinate { coordinate: drive.coordinate, at }
     };
     (0..DRIVES).filter(|index| acting & (1 << index) != 0).map(asked).collect()
 }
@@ -64,8 +64,9 @@ fn modes_are_scenes_with_other_elements() {
         for acting in 0..1 << DRIVES {
             let expected = accelerations(System::new(&of(acting)), q, v);
             let released = (0..DRIVES).filter(|index| acting & (1 << index) == 0).collect();
-            let let_go = System::in_mode(&all, &Mode { released, ..Mode::default() }, 0.0, q);
-            let holding = System::in_mode(&none, &Mode { held: held(&all, acting), ..Mode::default() }, 0.0, q);
+            let let_go = System::with_rows(&all, &RowSelection { released, ..RowSelection::default() }, 0.0, q);
+            let holding =
+                System::with_rows(&none, &RowSelection { held: held(&all, acting), ..RowSelection::default() }, 0.0, q);
             for (name, system) in [("let go", let_go), ("held", holding)] {
                 let apart = relative_difference(&accelerations(system, q, v), &expected);
                 // Round-off, grown by the condition of a chain of five bodies.

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, equilibrium};
 
 /// A planar body on bars, as rods or as springs of this stiffness. Weight and bars meet in one point: what balances is a line.
 fn scene(seed: u64, stiffness: Option<f64>) -> String {
@@ -56,7 +56,7 @@ fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
         let rigid = statics(&model);
         assert!(rigid.converged, "seed {seed}: {:?}", rigid.notes);
         let stability = rigid.stability.as_ref().expect("an equilibrium");
-        assert_eq!(stability.verdict, Verdict::Stable, "seed {seed}: {:?}", rigid.notes);
+        assert_eq!(stability.verdict, StabilityVerdict::Stable, "seed {seed}: {:?}", rigid.notes);
         assert!(rigid.notes.iter().any(|note| note.contains("of first order and none of second")), "seed {seed}");
         // Towards the limit of large stiffness; beyond 1e8 N/m the stiffness of the motion is round-off beside them.
         let springs = [1e6, 1e7].map(|stiffness| {
@@ -68,8 +68,9 @@ fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
         };
         match stability.modes.first() {
             Some(mode) => {
-                let is_stable =
-                    |found: &Equilibrium| found.stability.as_ref().is_some_and(|it| it.verdict == Verdict::Stable);
+                let is_stable = |found: &Equilibrium| {
+                    found.stability.as_ref().is_some_and(|it| it.verdict == StabilityVerdict::Stable)
+                };
                 if !springs.iter().all(is_stable) {
                     // Next to buckling the stiffness of the motion is round-off beside the springs.
                     assert!(mode.frequency_hz < 0.1, "seed {seed}: {}", mode.frequency_hz);

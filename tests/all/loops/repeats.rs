@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, equilibrium};
 
 fn list(v: &Vector3<f64>) -> String {
     format!("[{:e}, {:e}, {:e}]", v.x, v.y, v.z)
@@ -96,7 +96,7 @@ fn accelerations(model: &Arc<Model>, speed: f64) -> Vec<f64> {
     a
 }
 
-fn verdict(found: &Equilibrium) -> Option<Verdict> {
+fn verdict(found: &Equilibrium) -> Option<StabilityVerdict> {
     found.stability.as_ref().map(|stability| stability.verdict)
 }
 

@@ -3,12 +3,12 @@
 use crate::common::build;
 use crate::scenarios::{found, shipped};
 use std::sync::Arc;
-use stillpoint::model::Model;
+use stillpoint::model::{Model, Side};
 use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::events::Kind;
 use stillpoint::simulate::{self, RunError, State, Summary};
-use stillpoint::statics::{Settings, Verdict, equilibrium};
+use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
 
 const G: f64 = 9.80665;
 /// Of the parallelogram: the weights' lever, and the inertia that all of it has about the rods' hinges.
@@ -67,14 +67,14 @@ fn the_stop_of_one_rod_bears_the_moments_of_all_bars() {
     let (scenario, model) = shipped("parallelogram_on_stop", &[]);
     let rest = found(&scenario, &model);
     let [stop] = &rest.stops[..] else { panic!("{:?}", rest.stops) };
-    assert!(stop.low && stop.depth == 0.0 && stop.hinge == "`right`");
+    assert!(stop.side == Side::Low && stop.depth == 0.0 && stop.hinge == "`right`");
     near(stop.load, LEVER * G * 0.2_f64.sin(), 1e-9);
     for (found, expected) in rest.position.iter().zip([0.2, -0.2, 0.2]) {
         near(*found, expected, 1e-12);
     }
     // Nothing is left that could move.
     let stability = rest.stability.expect("a verdict");
-    assert_eq!((stability.verdict, stability.modes.len()), (Verdict::Stable, 0));
+    assert_eq!((stability.verdict, stability.modes.len()), (StabilityVerdict::Stable, 0));
     // From there a run goes nowhere.
     let start = State { position: rest.position.clone(), velocity: vec![0.0; 3] };
     let summary = simulate::run(&model, &scenario.simulate, 100.0, &start, &mut Fanout::new(), &mut |_, _| true)

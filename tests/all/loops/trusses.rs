@@ -4,7 +4,7 @@ use super::read;
 use crate::common::Random;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use std::fmt::Write;
-use stillpoint::statics::{Settings, Verdict, equilibrium};
+use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -72,7 +72,7 @@ fn rods_of_platforms_carry_what_balances() {
         let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
         assert!(found.converged, "seed {seed}: {:?}", found.notes);
         let stability = found.stability.as_ref().expect("an equilibrium");
-        assert_eq!(stability.verdict, Verdict::Stable);
+        assert_eq!(stability.verdict, StabilityVerdict::Stable);
         assert!(stability.modes.is_empty() && stability.damped.is_empty());
         let carried = DVector::from_iterator(rods, found.loops.iter().map(|rod| rod.pull.expect("a rod's pull")));
         let load = DVector::from_column_slice(weight.as_slice());

@@ -5,7 +5,7 @@ use crate::scenarios::{found, shipped};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use stillpoint::model::Model;
-use stillpoint::statics::{Equilibrium, Verdict};
+use stillpoint::statics::{Equilibrium, StabilityVerdict};
 
 const G: f64 = 9.80665;
 
@@ -14,7 +14,7 @@ fn rests(name: &str) -> (Arc<Model>, Equilibrium) {
     let (scenario, model) = shipped(&format!("nets/{name}"), &[]);
     assert!(scenario.warnings.is_empty(), "{name}: {}", scenario.warnings);
     let found = found(&scenario, &model);
-    assert_eq!(found.stability.as_ref().map(|stability| stability.verdict), Some(Verdict::Stable), "{name}");
+    assert_eq!(found.stability.as_ref().map(|stability| stability.verdict), Some(StabilityVerdict::Stable), "{name}");
     (model, found)
 }
 

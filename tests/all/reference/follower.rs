@@ -4,7 +4,7 @@ use super::case::{Node, case};
 use super::scene::{Scene, head};
 use faer::{Mat, linalg::solvers::Solve};
 use stillpoint::dynamics::System;
-use stillpoint::statics::Verdict;
+use stillpoint::statics::StabilityVerdict;
 
 /// Ziegler's double pendulum with a push `load` along its upper link and dampers in both hinges.
 fn ziegler(case: &Node, load: f64, damping: f64) -> Scene {
@@ -83,12 +83,12 @@ fn a13_ziegler_critical_loads() {
     let (reference, tolerance) = (case.at("reference"), case.tolerance("rel"));
     // Without damping the verdict of statics: growth sets in with the square root of the load's excess.
     let verdict = |load: f64| ziegler(&case, load, 0.0).rest_or_not().expect("an equilibrium").verdict;
-    let found = critical(|load| verdict(load) == Verdict::Unstable);
+    let found = critical(|load| verdict(load) == StabilityVerdict::Unstable);
     reference.at("P_flutter_undamped").check_relative(found, tolerance);
     for (name, damping) in [("P_flutter c=0.001", 1e-3), ("P_flutter c=0.1", 0.1)] {
         let found = critical(|load| growth(&ziegler(&case, load, damping)) > 0.0);
         reference.at(name).check_relative(found, tolerance);
-        for (part, expected) in [(0.999, Verdict::Stable), (1.001, Verdict::Unstable)] {
+        for (part, expected) in [(0.999, StabilityVerdict::Stable), (1.001, StabilityVerdict::Unstable)] {
             let stability = ziegler(&case, part * found, damping).rest_or_not().expect("an equilibrium");
             assert_eq!(stability.verdict, expected, "{name}");
         }

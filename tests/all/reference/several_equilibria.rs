@@ -4,7 +4,7 @@ use super::case::case;
 use super::scene::{Scene, frequencies, head};
 use std::f64::consts::PI;
 use stillpoint::dynamics::System;
-use stillpoint::statics::{Equilibrium, Verdict};
+use stillpoint::statics::{Equilibrium, StabilityVerdict};
 
 /// A point mass on a massless rod along `along` of a hinge about z, with a spring in it; gravity along −y.
 struct Pendulum {
@@ -32,7 +32,7 @@ fn stiffness(scene: &Scene, position: &[f64]) -> f64 {
     System::new(&scene.model).at(0.0, position, &vec![0.0; position.len()]).stiffness().expect("finite numbers")[(0, 0)]
 }
 
-fn verdict(found: &Equilibrium) -> Verdict {
+fn verdict(found: &Equilibrium) -> StabilityVerdict {
     found.stability.as_ref().expect("an equilibrium").verdict
 }
 
@@ -81,13 +81,13 @@ fn b02_inverted_pendulum_pitchfork() {
         // A difference of numbers near one.
         expected.at("stiffness_over_mgl_at_zero").check(zero, 1e-15);
         let buckles = ratio < 1.0;
-        assert_eq!(verdict(&found), if buckles { Verdict::Unstable } else { Verdict::Stable });
+        assert_eq!(verdict(&found), if buckles { StabilityVerdict::Unstable } else { StabilityVerdict::Stable });
         let name = if buckles { "theta_stable_plus_minus" } else { "theta_stable" };
         for guess in case.at("initial_state").at("guess").numbers() {
             for guess in [guess, -guess] {
                 let scene = pendulum.scene(guess, "stable");
                 let found = scene.rest();
-                assert_eq!(verdict(&found), Verdict::Stable);
+                assert_eq!(verdict(&found), StabilityVerdict::Stable);
                 let angle = found.position[0];
                 expected.at(name).check(if buckles { angle.abs() } else { angle }, tolerance);
                 if buckles {
@@ -135,14 +135,14 @@ fn b04_von_mises_truss() {
         let scene = truss(&case, case.parameter("mass"), guess, "stable");
         let found = scene.rest();
         let y = found.position[0];
-        assert_eq!((verdict(&found), y.signum()), (Verdict::Stable, sign));
+        assert_eq!((verdict(&found), y.signum()), (StabilityVerdict::Stable, sign));
         nearest(y).at("y").check(y, tolerance);
         // The stiffness changes by some 1e3 N/m per metre.
         nearest(y).at("stiffness").check(stiffness(&scene, &found.position), 1e3 * tolerance);
     }
     // Between them is one that no digits are given for: it is unstable, and it is the nearest from the middle.
     let between = truss(&case, case.parameter("mass"), 0.5 * high * 0.5, "any").rest();
-    assert_eq!(verdict(&between), Verdict::Unstable);
+    assert_eq!(verdict(&between), StabilityVerdict::Unstable);
     assert!(0.0 < between.position[0] && between.position[0] < reference.at("limit_height").number());
 }
 
@@ -160,7 +160,7 @@ fn b04_von_mises_truss_at_its_limit() {
     assert!(below.position[0] > height);
     let above = truss(&case, mass * (1.0 + PART), 0.3, "stable").rest();
     assert!(above.position[0] < 0.0);
-    assert_eq!(verdict(&above), Verdict::Stable);
+    assert_eq!(verdict(&above), StabilityVerdict::Stable);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn b13_gravity_balanced_arm() {
             );
         let scene = Scene::read(&text);
         let found = scene.rest();
-        assert_eq!((found.position[0], verdict(&found)), (angle, Verdict::Neutral));
+        assert_eq!((found.position[0], verdict(&found)), (angle, StabilityVerdict::Neutral));
         reference.at("residual").check(found.residual_force, residual);
         reference.at("tangent_stiffness").check(stiffness(&scene, &found.position), residual);
         let potential = System::new(&scene.model).at(0.0, &found.position, &[0.0]).energies().potential;
@@ -210,7 +210,7 @@ fn b13_bodies_free_to_turn() {
     for hinge in ["type = \"revolute\", axis = [0, 1, 0], position = 0.7", turned] {
         let scene = scene(hinge, 0.0);
         let found = scene.rest();
-        assert_eq!((&found.position, verdict(&found)), (&scene.model.start_position, Verdict::Neutral));
+        assert_eq!((&found.position, verdict(&found)), (&scene.model.start_position, StabilityVerdict::Neutral));
         case.at("reference").at("residual").check(found.residual_force, case.tolerance("residual"));
     }
     for angle in [0.0, 1.0, 3.0, PI] {

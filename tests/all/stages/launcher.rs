@@ -5,7 +5,7 @@ use crate::common::{answered, build};
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{Override, load_with};
 use stillpoint::simulate::{self, State, Summary};
-use stillpoint::statics::{Held, outputs};
+use stillpoint::statics::{InverseAnswer, outputs};
 
 /// A salvo with an interval between its shots (s).
 fn salvo(interval: f64) -> Summary {
@@ -13,7 +13,7 @@ fn salvo(interval: f64) -> Summary {
     let change = Override::parse(&format!("parameters.interval={interval}")).expect("a change");
     let scenario = load_with(path.as_ref(), &[change]).unwrap_or_else(|error| panic!("{error}"));
     let model = build(&scenario.description);
-    let Held { model, found, .. } = answered(&scenario, model).expect("an equilibrium");
+    let InverseAnswer { model, found, .. } = answered(&scenario, model).expect("an equilibrium");
     assert!(found.converged && found.stability.as_ref().is_some_and(|stability| stability.modes[0].frequency_hz > 1.0));
     let elevation = outputs(&model, &found).expect("outputs")[0];
     assert!((elevation - std::f64::consts::FRAC_PI_4).abs() < 1e-9, "aimed at {elevation} rad");

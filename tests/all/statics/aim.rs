@@ -3,7 +3,7 @@
 use crate::common::{Random, answered};
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario::{self, Scenario};
-use stillpoint::statics::{Aim, Held, outputs};
+use stillpoint::statics::{Aim, InverseAnswer, outputs};
 
 fn read(text: &str) -> Scenario {
     scenario::parse("aim.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"))
@@ -16,7 +16,7 @@ fn refused(text: &str) -> String {
     }
 }
 
-fn aimed(scenario: &Scenario) -> Held {
+fn aimed(scenario: &Scenario) -> InverseAnswer {
     let model = Model::build(&scenario.description).expect("a model");
     let (model, _) = stillpoint::constraint::assemble(model).expect("loops that close");
     answered(scenario, model).expect("numbers")

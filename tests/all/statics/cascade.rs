@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::model::description::{Description, HingeKind};
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Method, Settings, StabilityVerdict, Want, equilibrium};
 
 /// A random scene with motors, springs and loads that turn with their bodies: far from any potential, and its guess far
 /// from balance. Slides are held by springs.
@@ -83,7 +83,7 @@ fn only_an_unstable_equilibrium_is_no_answer_but_is_reported() {
     let model = build(&scenario.description);
     let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
     assert!(found.balanced && !found.converged);
-    assert_eq!(found.stability.expect("a verdict").verdict, Verdict::Unstable);
+    assert_eq!(found.stability.expect("a verdict").verdict, StabilityVerdict::Unstable);
     assert_eq!(found.position, [0.0, 0.0]);
     assert!(found.notes.iter().any(|note| note.contains("only an unstable equilibrium")), "{:?}", found.notes);
 }
@@ -98,7 +98,7 @@ fn an_unstable_equilibrium_without_a_potential_is_left() {
     let scenario = scenario::parse("jet.toml", text, &[]).expect("a scene");
     let model = build(&scenario.description);
     let any = find(&model, Method::Auto);
-    assert_eq!(any.stability.expect("a verdict").verdict, Verdict::Unstable);
+    assert_eq!(any.stability.expect("a verdict").verdict, StabilityVerdict::Unstable);
     let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
     assert!(found.converged, "{:?}", found.notes);
     assert!(found.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", found.notes);
@@ -189,7 +189,7 @@ fn chains_of_twenty_hang_from_a_thousand_guesses() {
         let found = equilibrium(&model, &Settings::default(), &guess).expect("numbers");
         let down = found.poses[19].translation.z / (19.0 * 0.2);
         let hangs = found.converged && (down + 1.0).abs() < 1e-12;
-        stable += usize::from(hangs && found.stability.is_some_and(|s| s.verdict == Verdict::Stable));
+        stable += usize::from(hangs && found.stability.is_some_and(|s| s.verdict == StabilityVerdict::Stable));
     }
     assert_eq!(stable, guesses as usize);
 }
@@ -227,7 +227,7 @@ fn a_stiff_rope_leads_around_its_circle() {
         // Weight and wind stand along the rope, which gives way by 10⁻⁸. A rounding of its length is 10⁻⁷ N.
         let (wind, weight) = (20.0 * (0.5 - x), -9.80665);
         assert!((wind * z - weight * x).abs() < 1e-6 && (x.hypot(z) - 1.0).abs() < 2e-8, "{x} {z}");
-        assert_eq!(found.stability.map(|s| s.verdict), Some(Verdict::Stable));
+        assert_eq!(found.stability.map(|s| s.verdict), Some(StabilityVerdict::Stable));
     }
 }
 
@@ -294,7 +294,7 @@ fn twists_of_a_prism(relaxed: f64) -> Vec<f64> {
     assert!(found.stage == "trust region" && found.iterations < 200, "{} {}", found.stage, found.iterations);
     // Six of the whole, ten about the bars.
     let stability = found.stability.expect("a verdict");
-    assert_eq!((stability.verdict, stability.neutral_directions), (Verdict::Neutral, 16));
+    assert_eq!((stability.verdict, stability.neutral_directions), (StabilityVerdict::Neutral, 16));
     let ends: Vec<_> = (0..bars)
         .map(|i| {
             let q = &found.position[7 * i..7 * i + 7];
@@ -333,7 +333,7 @@ fn thin_rods_on_balls_come_down() {
                 found.notes
             );
             let stability = found.stability.expect("a verdict");
-            assert_eq!((stability.verdict, stability.neutral_directions), (Verdict::Neutral, 20));
+            assert_eq!((stability.verdict, stability.neutral_directions), (StabilityVerdict::Neutral, 20));
             let height = found.poses.last().expect("rods").translation.z;
             assert!((height + 9.5).abs() < 1e-12, "{height}");
         }

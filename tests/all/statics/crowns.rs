@@ -7,7 +7,7 @@ use stillpoint::dynamics::System;
 use stillpoint::model::description::*;
 use stillpoint::model::{Model, Parameter};
 use stillpoint::statics::path::EventKind;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 /// A point that may go anywhere, by three slides.
 fn point(name: &str, at: Vector3<f64>, mass: f64, bodies: &mut Vec<BodyDescription>) {
@@ -67,12 +67,12 @@ fn random_crown(random: &mut Random, n: usize) -> Arc<Model> {
     build(&crown(n, stiffness, height, mass, random.between(0.0, 0.2)))
 }
 
-fn verdict(found: &Equilibrium) -> Option<Verdict> {
+fn verdict(found: &Equilibrium) -> Option<StabilityVerdict> {
     found.stability.as_ref().map(|stability| stability.verdict)
 }
 
 fn ends_stable(found: &Equilibrium) -> bool {
-    found.converged && verdict(found).is_some_and(|verdict| verdict != Verdict::Unstable)
+    found.converged && verdict(found).is_some_and(|verdict| verdict != StabilityVerdict::Unstable)
 }
 
 fn potential(model: &Arc<Model>, q: &[f64]) -> f64 {
@@ -97,7 +97,7 @@ fn symmetric_crowns_end_stable() {
             }
             cases += 1;
             let nearest = equilibrium(&model, &any, &model.start_position).expect("statics");
-            if !(nearest.converged && verdict(&nearest) == Some(Verdict::Unstable)) {
+            if !(nearest.converged && verdict(&nearest) == Some(StabilityVerdict::Unstable)) {
                 continue;
             }
             let found = equilibrium(&model, &Settings::default(), &nearest.position).expect("statics");

@@ -4,7 +4,7 @@
 use crate::common::{Random, build};
 use std::fmt::Write;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 fn find(text: &str) -> Equilibrium {
     let scenario = scenario::parse("far.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
@@ -17,7 +17,7 @@ fn verdicts_do_not_depend_on_the_unit_of_mass() {
     for exponent in [-200, -150, -100, -8, 0, 8, 100, 149, 151] {
         let mass = 10_f64.powi(exponent);
         for (position, want, verdict) in
-            [(0.3, "stable", Verdict::Stable), (std::f64::consts::PI, "any", Verdict::Unstable)]
+            [(0.3, "stable", StabilityVerdict::Stable), (std::f64::consts::PI, "any", StabilityVerdict::Unstable)]
         {
             let mut text = format!("[statics]\nwant = \"{want}\"\n");
             for (name, on) in [("a", String::new()), ("b", "parent = \"a\", at = [0, 0, -1], ".to_owned())] {

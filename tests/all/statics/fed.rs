@@ -1,7 +1,7 @@
 //! Motors that push with the speed of their hinge: they damp, or feed, the motion about an equilibrium.
 
 use crate::common::build;
-use stillpoint::statics::{Verdict, equilibrium};
+use stillpoint::statics::{StabilityVerdict, equilibrium};
 
 /// A pendulum, alone, geared to a wheel or closed as a parallelogram, with a motor.
 fn scene(motor: &str, around: &str) -> String {
@@ -46,7 +46,7 @@ fn what_feeds_a_motion_makes_its_equilibrium_unstable() {
             let (inertia, stiffness): (f64, f64) = (bars * (0.2 + 2.0 * 0.25), bars * 2.0 * 9.80665 * 0.5);
             let ratio = -feeds / (2.0 * (inertia * stiffness).sqrt());
             assert!((stability.damped[0].damping_ratio - ratio).abs() < 1e-8, "{text}: {:?}", stability.damped);
-            let verdict = if feeds > 0.0 { Verdict::Unstable } else { Verdict::Stable };
+            let verdict = if feeds > 0.0 { StabilityVerdict::Unstable } else { StabilityVerdict::Stable };
             assert_eq!(stability.verdict, verdict, "{text}");
             assert_eq!(stability.unstable_directions, usize::from(feeds > 0.0), "{text}");
         }

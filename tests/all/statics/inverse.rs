@@ -2,11 +2,11 @@
 
 use crate::common::{Options, build, random_scene};
 use stillpoint::dynamics::System;
-use stillpoint::model::{Model, Parameter};
+use stillpoint::model::{Model, Parameter, Side};
 use stillpoint::scenario::{self, Scenario};
-use stillpoint::statics::{Held, Settings, hold};
+use stillpoint::statics::{InverseAnswer, Settings, hold};
 
-fn held(scenario: &Scenario) -> Held {
+fn held(scenario: &Scenario) -> InverseAnswer {
     let pose = Model::build(&scenario.description).expect("a model").start_position.clone();
     hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("numbers that are finite")
 }
@@ -155,7 +155,7 @@ fn a_touched_stop_bears_what_the_unknowns_leave_and_never_pulls() {
     let lying = on_post(&[(100.0, 0.96)], "[-1.0, 0.0]");
     assert!(lying.converged, "{:?}", lying.notes);
     assert_eq!(lying.unknowns, [("s0.length".to_owned(), 0.96)]);
-    assert!((lying.stops[0].load - 6.0).abs() < 1e-12 && !lying.stops[0].low, "{:?}", lying.stops);
+    assert!((lying.stops[0].load - 6.0).abs() < 1e-12 && lying.stops[0].side == Side::High, "{:?}", lying.stops);
     // One of 30 N would lift it: 10 N are enough.
     let lifted = on_post(&[(100.0, 0.7)], "[-1.0, 0.0]");
     assert!(lifted.converged && lifted.stops.is_empty(), "{:?} {:?}", lifted.notes, lifted.stops);

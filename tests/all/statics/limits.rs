@@ -8,7 +8,7 @@ use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 const G: f64 = 9.80665;
 const SCENES: u64 = 240;
@@ -269,7 +269,7 @@ fn settle(seeds: Range<u64>, links: Range<usize>) {
     for seed in seeds {
         let (tree, model) = scene(seed, links.clone());
         let found = find(&model);
-        let stands = found.stability.as_ref().is_some_and(|s| s.verdict != Verdict::Unstable);
+        let stands = found.stability.as_ref().is_some_and(|s| s.verdict != StabilityVerdict::Unstable);
         if !(found.converged && stands) {
             failed.push(format!("{seed}: {} {:?}", found.relative_residual, found.notes));
             continue;
@@ -331,7 +331,7 @@ fn what_stands_on_the_edge_of_a_stop_falls_to_its_open_side() {
         let stays = equilibrium(&model, &any, &model.start_position).expect("statics");
         let verdict = stays.stability.as_ref().expect("an equilibrium").verdict;
         assert!(stays.converged && stays.position.iter().all(|q| *q == 0.0), "{case}: {:?}", stays.notes);
-        assert_eq!(verdict == Verdict::Unstable, ends.iter().any(|end| *end != 0.0), "{case}: {verdict:?}");
+        assert_eq!(verdict == StabilityVerdict::Unstable, ends.iter().any(|end| *end != 0.0), "{case}: {verdict:?}");
     }
 }
 
@@ -373,7 +373,7 @@ fn the_sides_of_stops_that_bear_nothing_decide() {
 /// A cart on a rail that touches the end of it and does not press may go the other way, and nothing brings it back.
 #[test]
 fn what_only_touches_its_stop_and_nothing_brings_back_is_neutral() {
-    use stillpoint::statics::{Settings, Verdict, equilibrium};
+    use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
     for (position, limits) in [(0.0, "[0.0, 1.0]"), (0.0, "[-1.0, 0.0]"), (0.5, "[0.0, 1.0]")] {
         let text = format!(
             "[[body]]\nname = \"cart\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = {position}, limits = {limits} }}\n"
@@ -382,6 +382,6 @@ fn what_only_touches_its_stop_and_nothing_brings_back_is_neutral() {
         let model = crate::common::build(&scenario.description);
         let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
         let verdict = found.stability.expect("a verdict").verdict;
-        assert_eq!(verdict, Verdict::Neutral, "{position} within {limits}");
+        assert_eq!(verdict, StabilityVerdict::Neutral, "{position} within {limits}");
     }
 }

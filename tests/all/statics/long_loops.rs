@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -162,7 +162,7 @@ fn loops_and_springs_between_distant_links_are_what_matrices_say() {
     let (unstable, _, _) = by_matrices(&standing, &up);
     let stability = up.stability.as_ref().expect("an equilibrium");
     assert!(unstable > 100, "{unstable}");
-    assert_eq!((stability.unstable_directions, stability.verdict), (unstable, Verdict::Unstable));
+    assert_eq!((stability.unstable_directions, stability.verdict), (unstable, StabilityVerdict::Unstable));
 }
 
 /// Springs between distant links of a tree, without a loop: four chains of balls tied to each other halfway and to the wall.

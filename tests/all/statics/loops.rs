@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario;
 use stillpoint::statics::path::follow;
-use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibrium, hold};
+use stillpoint::statics::{Equilibrium, Method, Settings, StabilityVerdict, Want, equilibrium, hold};
 
 const G: f64 = 9.80665;
 
@@ -133,7 +133,7 @@ fn the_governor_rises_by_porters_formula() {
         let height = 3.0 * G / point.parameter.powi(2);
         let found = 0.3 * point.position[left].sin();
         assert!((found - height).abs() < 1e-11, "{}: {found} instead of {height}", point.parameter);
-        assert_eq!(point.verdict, Verdict::Stable);
+        assert_eq!(point.verdict, StabilityVerdict::Stable);
     }
     assert!((points.last().expect("points").parameter - 30.0).abs() < 1e-12);
 }
@@ -275,7 +275,7 @@ fn upright_cranks_fall_through_their_change_points_and_hang() {
         let angle = found.position[model.bodies[body].hinge.position];
         assert!((angle.abs() - std::f64::consts::PI).abs() < 1e-9, "crank{index} at {angle}");
     }
-    assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(Verdict::Stable));
+    assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(StabilityVerdict::Stable));
     assert!(found.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", found.notes);
 }
 

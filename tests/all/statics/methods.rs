@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::description::*;
 use stillpoint::model::{Description, Model};
-use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{Equilibrium, Method, Settings, StabilityVerdict, Want, equilibrium};
 
 const BASELINES: [Method; 2] = [Method::Relaxation, Method::Lagrange];
 
@@ -94,7 +94,7 @@ fn lagrange_has_the_exact_tangent_of_every_hinge_and_force() {
         let model = build(&random_scene(seed, &options));
         let any = |method| Settings { method, want: Want::Any, ..Settings::default() };
         let Ok(near) = equilibrium(&model, &any(Method::Auto), &model.start_position) else { continue };
-        if !near.balanced || near.stability.as_ref().is_none_or(|s| s.verdict == Verdict::Neutral) {
+        if !near.balanced || near.stability.as_ref().is_none_or(|s| s.verdict == StabilityVerdict::Neutral) {
             continue;
         }
         let mut start = near.position.clone();

@@ -4,7 +4,7 @@ use crate::reference::case::case;
 use crate::scenarios::shipped;
 use std::f64::consts::{FRAC_PI_3, PI};
 use stillpoint::scenario::{self, Override, Scenario};
-use stillpoint::statics::Verdict;
+use stillpoint::statics::StabilityVerdict;
 use stillpoint::statics::path::{Branch, End, EventKind, Path, PathPoint, follow};
 
 fn path_of(scenario: &Scenario) -> Path {
@@ -61,8 +61,8 @@ fn snap_through_goes_around_both_folds() {
     }
     let equilibria = reference.at("equilibria").items();
     let under: Vec<&PathPoint> = wanted(&path.branches[0]).collect();
-    let kinds: Vec<Verdict> = under.iter().map(|point| point.verdict).collect();
-    assert_eq!(kinds, [Verdict::Stable, Verdict::Unstable, Verdict::Stable]);
+    let kinds: Vec<StabilityVerdict> = under.iter().map(|point| point.verdict).collect();
+    assert_eq!(kinds, [StabilityVerdict::Stable, StabilityVerdict::Unstable, StabilityVerdict::Stable]);
     near(under[0].position[0], equilibria[0].at("y").number(), tolerance);
     near(under[2].position[0], equilibria[2].at("y").number(), tolerance);
     // 2 k y (1 − L₀/√(1 + y²)) = −W in between, where no digits are given.
@@ -101,10 +101,10 @@ fn pitchfork_leaves_at_the_critical_stiffness() {
             let key = format!("k_over_mgl={ratio}");
             let expected = case.at("reference").at(&key).at("theta_stable_plus_minus").number();
             near(point.position[0], side * expected, case.tolerance("abs"));
-            assert_eq!(point.verdict, Verdict::Stable);
+            assert_eq!(point.verdict, StabilityVerdict::Stable);
         }
     }
-    assert!(wanted(&path.branches[0]).all(|point| point.verdict == Verdict::Unstable));
+    assert!(wanted(&path.branches[0]).all(|point| point.verdict == StabilityVerdict::Unstable));
 }
 
 /// Loads at which a clamped strut of `n` links buckles: 4 n² sin²((2 m − 1) π / 4 n) EI/L², exact for the links.
@@ -127,14 +127,14 @@ fn strut_buckles_at_eulers_loads_and_bends_like_the_elastica() {
     }
     for branch in &path.branches[1..3] {
         let point = wanted(branch).next().expect("a point");
-        assert_eq!(point.verdict, Verdict::Stable);
+        assert_eq!(point.verdict, StabilityVerdict::Stable);
         let tip: f64 = point.position.iter().sum();
         // Ten links are a strut softer by a part in 490: 4 n² sin²(π/4n) against π²/4. Beside the fork the angle feels
         // that four times over: P/P₁ grows by α²/8.
         near(tip.abs(), FRAC_PI_3, 1e-2);
         assert!(branch.points.iter().all(|point| point.unstable_directions == 0));
     }
-    assert!(path.branches[3..].iter().all(|b| b.points.iter().all(|p| p.verdict == Verdict::Unstable)));
+    assert!(path.branches[3..].iter().all(|b| b.points.iter().all(|p| p.verdict == StabilityVerdict::Unstable)));
     // Where the run starts: bent, and stable.
     let found = crate::scenarios::found(&scenario, &model);
     let tip: f64 = found.position.iter().sum();
@@ -175,7 +175,7 @@ fn chain_follows_the_direction_of_gravity() {
     for point in &path.branches[0].points {
         // Turns about y: downwards is positive.
         near(point.position[0], f64::atan2(9.80665, point.parameter), 1e-12);
-        assert_eq!(point.verdict, Verdict::Stable);
+        assert_eq!(point.verdict, StabilityVerdict::Stable);
     }
     assert_eq!(
         path.branches[0].points.last().map(|point| point.parameter),
@@ -198,7 +198,7 @@ fn motions_that_cost_nothing_do_not_stop_a_path() {
     let path = followed(&text);
     assert_eq!(path.branches[0].end, End::Range);
     for point in &path.branches[0].points {
-        assert_eq!((point.verdict, point.event.is_none()), (Verdict::Neutral, true));
+        assert_eq!((point.verdict, point.event.is_none()), (StabilityVerdict::Neutral, true));
         let down = point.poses[2].rotation * -nalgebra::Vector3::z();
         near(down.x / -down.z, point.parameter / 9.80665, 1e-9);
     }

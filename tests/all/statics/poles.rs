@@ -5,7 +5,7 @@ use crate::common::{Random, build};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use stillpoint::scenario;
-use stillpoint::statics::{Settings, Verdict, equilibrium};
+use stillpoint::statics::{Settings, StabilityVerdict, equilibrium};
 
 const SCENES: u64 = 2000;
 
@@ -51,7 +51,7 @@ fn every_saddle_of_rods_on_their_poles_is_left() {
             scenario::parse("poles.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
         let model = build(&scenario.description);
         let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
-        let stands = found.stability.as_ref().is_some_and(|stability| stability.verdict != Verdict::Unstable);
+        let stands = found.stability.as_ref().is_some_and(|stability| stability.verdict != StabilityVerdict::Unstable);
         if !(found.converged && stands) {
             failed.push(format!("{seed}: {:?}", found.notes));
         }

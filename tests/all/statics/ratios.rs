@@ -3,7 +3,7 @@
 use crate::common::build;
 use nalgebra::Vector3;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 /// The equilibrium that the file wants.
 fn find(text: &str) -> Equilibrium {
@@ -65,7 +65,7 @@ fn light_links_settle_between_heavy_ones_on_a_stiff_spring() {
     let found = find(&format!("{}{spring}", balls(&links, 1.18)));
     proved(&found, "a chain with a spring");
     // What weighs a kilogram costs next to nothing beside the spring.
-    assert_ne!(found.stability.map(|s| s.verdict), Some(Verdict::Unstable));
+    assert_ne!(found.stability.map(|s| s.verdict), Some(StabilityVerdict::Unstable));
 }
 
 /// A spring of 4·10¹¹ N/m between two pendulums: the floor of its valley is a curve on which no step of 10⁻³ rad is straight

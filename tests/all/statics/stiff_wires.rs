@@ -4,7 +4,7 @@
 use crate::common::{Random, build};
 use std::f64::consts::TAU;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 fn rest(text: &str) -> Equilibrium {
     let scenario = scenario::parse("wire.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
@@ -57,12 +57,12 @@ fn pendulums_on_wires_swing_by_their_length_however_stiff() {
         if up {
             assert_eq!(
                 (stability.verdict, stability.unstable_directions),
-                (Verdict::Unstable, 2),
+                (StabilityVerdict::Unstable, 2),
                 "seed {seed}, {ratio:e}"
             );
             continue;
         }
-        assert_eq!(stability.verdict, Verdict::Stable, "seed {seed}, {ratio:e}");
+        assert_eq!(stability.verdict, StabilityVerdict::Stable, "seed {seed}, {ratio:e}");
         let stretched = length + 10.0 * mass / stiffness;
         let expected = (10.0 / stretched).sqrt() / TAU;
         for mode in &stability.modes[..2] {
@@ -94,7 +94,7 @@ fn what_has_no_stiffness_stays_neutral_beside_any() {
         let stability = found.stability.expect("a verdict");
         assert_eq!(
             (stability.verdict, stability.neutral_directions),
-            (Verdict::Neutral, 2),
+            (StabilityVerdict::Neutral, 2),
             "seed {seed}: {:?}",
             found.notes
         );

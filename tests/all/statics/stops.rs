@@ -3,9 +3,9 @@
 use crate::common::build;
 use crate::scenarios::{found, shipped};
 use std::sync::Arc;
-use stillpoint::model::Model;
+use stillpoint::model::{Model, Side};
 use stillpoint::scenario;
-use stillpoint::statics::{Bearing, Equilibrium, Method, Settings, Verdict, Want, equilibrium};
+use stillpoint::statics::{BearingStop, Equilibrium, Method, Settings, StabilityVerdict, Want, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -19,7 +19,7 @@ fn find(model: &Arc<Model>) -> Equilibrium {
     found
 }
 
-fn stop<'a>(found: &'a Equilibrium, hinge: &str) -> &'a Bearing {
+fn stop<'a>(found: &'a Equilibrium, hinge: &str) -> &'a BearingStop {
     found.stops.iter().find(|stop| stop.hinge == hinge).unwrap_or_else(|| panic!("{hinge}: {:?}", found.stops))
 }
 
@@ -43,10 +43,10 @@ fn the_stops_of_the_arm_bear_the_moments_of_its_weights() {
     near(elbow, 0.1 + rubber.depth, 1e-12);
     let rigid = stop(&found, "`upper`");
     near(rigid.load, of_fore + G * (3.0 * 0.3 + 2.5 * 0.6) * upper.cos(), 1e-9);
-    assert!(!rigid.low && !rubber.low && rigid.depth == 0.0 && found.stops.len() == 2);
+    assert!(rigid.side == Side::High && rubber.side == Side::High && rigid.depth == 0.0 && found.stops.len() == 2);
     // Only what the stops leave free decides; the mode of the hand does not move the shoulder.
     let stability = found.stability.as_ref().expect("a verdict");
-    assert_eq!((stability.verdict, stability.modes.len()), (Verdict::Stable, 2));
+    assert_eq!((stability.verdict, stability.modes.len()), (StabilityVerdict::Stable, 2));
     assert!(stability.modes.iter().all(|mode| mode.shape.len() == 3 && mode.shape[0] == 0.0));
     // All methods say the same, from where Newton alone does not stand the hand upright.
     let near_by = [0.3, 0.0, 1.2];
@@ -88,7 +88,7 @@ fn a_stop_never_pulls() {
     near(on.position[0], 0.0, 0.0);
     near(stop(&on, "`lever`").load, 0.5, 1e-12);
     let far = find(&lever(5.0));
-    assert!(!stop(&far, "`lever`").low);
+    assert_eq!(stop(&far, "`lever`").side, Side::High);
     near(stop(&far, "`lever`").load, 3.0, 1e-12);
 }
 
@@ -110,5 +110,5 @@ fn an_inverted_pendulum_lies_on_a_stop() {
     let any = Settings { want: Want::Any, ..Settings::default() };
     let between = equilibrium(&model, &any, &model.start_position).expect("statics");
     assert!(between.converged && between.stops.is_empty() && between.position[0] == 0.0);
-    assert_eq!(between.stability.expect("a verdict").verdict, Verdict::Unstable);
+    assert_eq!(between.stability.expect("a verdict").verdict, StabilityVerdict::Unstable);
 }

@@ -1,24 +1,24 @@
-//! The discrete state of a system: which rows act beside those of its loops, drives and gears, and which of these do not.
+//! Which rows act in a system beside those of its loops, drives and gears, and which of these do not.
 //!
-//! A mode is a value beside positions and velocities. A model never changes with it: a lock that holds for the time of a search,
-//! or a drive that is let go to see what it does, is a mode of the same model.
+//! A selection is a value beside positions and velocities. A model never changes with it: a lock that holds for the time of a search,
+//! or a drive that is let go to see what it does, is another selection of the same model.
 
 use crate::model::prescribed::Instant;
 use crate::model::{Model, Scalar};
 
-/// The discrete state of a system. The default one has the model as it is: all of its loops, drives and gears act, nothing else.
+/// Which rows act. The default has the model as it is: all of its loops, drives and gears act, nothing else.
 #[derive(Debug, Clone, Default)]
-pub struct Mode {
-    /// What is held.
-    pub held: Vec<Held>,
+pub struct RowSelection {
+    /// What is held beside what the model has.
+    pub held: Vec<HeldRow>,
     /// Drives that do not act, by their index in `Model::drives`. What building has added to the armature of a massless driven
     /// body (`Drive::armature`) stays: accelerations are right if that is 0 or something else holds the coordinate.
     pub released: Vec<usize>,
 }
 
-/// What a mode holds.
+/// A row of a coordinate, or three of a ball, beside those of the model.
 #[derive(Debug, Clone, Copy)]
-pub enum Held {
+pub enum HeldRow {
     /// A coordinate, and where or at which rate.
     Coordinate {
         /// Which.
@@ -30,11 +30,12 @@ pub enum Held {
     Ball(usize),
 }
 
-impl Mode {
+impl RowSelection {
     /// Every locked coordinate held where the model starts.
     pub(crate) fn locks(model: &Model) -> Self {
         let balls = model.links.iter().enumerate().filter(|(_, link)| link.joint.is_ball());
-        let balls = balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| Held::Ball(index));
+        let balls =
+            balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| HeldRow::Ball(index));
         let held = locked_scalars(model, &model.start_position).chain(balls).collect();
         Self { held, released: Vec::new() }
     }
@@ -45,7 +46,7 @@ impl Mode {
         let of_drives = model.drives.iter().map(|drive| {
             let coordinate = drive.coordinate;
             let (position, velocity) = (q[coordinate.position], velocity[coordinate.velocity]);
-            Held::Coordinate { coordinate, at: Instant { position, velocity, acceleration: 0.0 } }
+            HeldRow::Coordinate { coordinate, at: Instant { position, velocity, acceleration: 0.0 } }
         });
         let held = of_drives.chain(locked_scalars(model, q)).collect();
         Self { held, released: (0..model.drives.len()).collect() }
@@ -58,11 +59,11 @@ impl Mode {
 }
 
 /// Locked turns and slides, held at `q`.
-fn locked_scalars<'a>(model: &'a Model, q: &'a [f64]) -> impl Iterator<Item = Held> + 'a {
+fn locked_scalars<'a>(model: &'a Model, q: &'a [f64]) -> impl Iterator<Item = HeldRow> + 'a {
     let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
     locked.map(|coordinate| {
         let at = Instant { position: q[coordinate.position], ..Instant::default() };
-        Held::Coordinate { coordinate, at }
+        HeldRow::Coordinate { coordinate, at }
     })
 }
 

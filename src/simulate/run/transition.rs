@@ -4,7 +4,7 @@ use super::Run;
 use crate::integrate::Method;
 use crate::model::CurveEnd;
 use crate::simulate::error::RunError;
-use crate::simulate::events::{Hit, Kind, Turn};
+use crate::simulate::events::{Hit, Kind, Transition};
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
 use crate::simulate::stops::instant::{self, Outcome};
@@ -25,44 +25,44 @@ impl Run<'_, '_> {
     }
 
     /// What follows from an event.
-    pub(super) fn turn(
+    pub(super) fn transition(
         &mut self,
         motion: &mut Motion,
         settings: &Settings,
         method: Method,
-        Hit { time, turn }: Hit,
+        Hit { time, transition }: Hit,
     ) -> Result<(), RunError> {
-        if let Turn::Stop(event) = turn {
+        if let Transition::Stop(event) = transition {
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
         }
-        if let Turn::Leave(end) = turn {
+        if let Transition::Leave(end) = transition {
             return Err(self.leaves(time, &self.model.curve_ends[end]));
         }
         if let Some(rule) = self.model.contacts.first().filter(|_| self.rests) {
             let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
             return Err(RunError::Contact { name: rule.name.clone(), why });
         }
-        if matches!(turn, Turn::Strike(_)) && self.try_capture(motion, time) {
+        if matches!(transition, Transition::Strike(_)) && self.try_capture(motion, time) {
             // A rigid stop and contacts at one instant: captured steps resolve both.
             self.arm(motion, time);
             return Ok(());
         }
-        let outcome = match turn {
-            Turn::Contact { .. } => Outcome::default(),
-            Turn::Switch(boundary) => {
+        let outcome = match transition {
+            Transition::Contact { .. } => Outcome::default(),
+            Transition::Switch(boundary) => {
                 motion.system.cross(boundary);
                 Outcome::default()
             }
-            Turn::Relax(_) => Outcome::default(),
-            _ => instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, Some(turn))?,
+            Transition::Relax(_) => Outcome::default(),
+            _ => instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, Some(transition))?,
         };
         self.ledger.lose(outcome.lost);
         self.ledger.put_in(outcome.work);
-        self.touch(motion, time, turn == Turn::Contact { at_limit: true })?;
+        self.touch(motion, time, transition == Transition::Contact { at_limit: true })?;
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
-        if let Some(storm) = self.turns.see(time, self.end).filter(|_| !self.try_capture(motion, time)) {
+        if let Some(storm) = self.event_pace.see(time, self.end).filter(|_| !self.try_capture(motion, time)) {
             let last = outcome.happened.last().or(self.happened.last());
             let name = last.map_or_else(String::new, |last| last.name.clone());
             return Err(RunError::Storm { time, count: storm.count, span: storm.span, left: self.end - time, name });

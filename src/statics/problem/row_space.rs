@@ -14,15 +14,15 @@ use crate::sparse::{Gram, SparseRows};
 /// Vectors of Hutchinson's estimate: its relative deviation is `√(2/8)`.
 const PROBES: usize = 8;
 
-/// Rows independent by more than round-off.
+/// What rows span that are independent by more than round-off.
 #[derive(Debug, Clone)]
-pub(in crate::statics) struct Held {
+pub(in crate::statics) struct RowSpace {
     /// Over the free coordinates, of unit size in the metric.
     rows: SparseRows,
     gram: Gram,
 }
 
-impl Held {
+impl RowSpace {
     /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision. The order of `like` is taken
     /// if its pattern is the same.
     pub(super) fn of(rows: SparseRows, metric: &[f64], like: &Gram) -> Option<Self> {
