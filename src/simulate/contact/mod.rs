@@ -304,7 +304,7 @@ impl Contacts {
             force: force.into(),
             slips,
         };
-        if !self.follows_steps() && !self.closed.is_empty() {
+        if !self.follows_steps() {
             let bears = self.closed.iter().filter(|closed| closed.state != ContactState::Spare);
             let slips = |closed: &Closed| matches!(closed.state, ContactState::Slip(_));
             out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
