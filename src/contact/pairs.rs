@@ -43,7 +43,7 @@ pub enum Untouchable {
         between: [String; 2],
     },
     /// A shape that nothing can touch yet.
-    #[error("the shape of `{body}` cannot touch anything: {why}")]
+    #[error("the shape of `{body}` cannot touch: {why}")]
     Shape {
         /// Body.
         body: String,
@@ -125,12 +125,27 @@ impl Pairs {
         let mut all = Self { poses, pieces, couples: Vec::new(), partners };
         for i in 0..all.pieces.len() {
             for j in i + 1..all.pieces.len() {
+                all.refuse_planes(model, i, j)?;
                 let Some(couple) = all.couple(model, i, j) else { continue };
                 all.partners[i].push((j, all.couples.len()));
                 all.couples.push(couple);
             }
         }
         Ok(all)
+    }
+
+    /// Two half spaces that move against each other, of which a rule says that they touch.
+    fn refuse_planes(&self, model: &Model, i: usize, j: usize) -> Result<(), Untouchable> {
+        let (one, other) = (&self.pieces[i], &self.pieces[j]);
+        let planes = [one, other].iter().all(|piece| piece.reach.is_infinite());
+        if !planes || one.link == other.link || rule_of(model, one.body, other.body).is_none() {
+            return Ok(());
+        }
+        let [body, other] = [one, other].map(|piece| model.bodies[piece.body].name.clone());
+        let why = format!(
+            "`{other}` is a half space as well, and two of these overlap wherever they are: give one of them a box"
+        );
+        Err(Untouchable::Shape { body, why })
     }
 
     /// Two pieces as the last rule that names their bodies has them.

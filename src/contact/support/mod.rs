@@ -25,6 +25,8 @@
 //! (W) finds forces that balance each other inside the cones. If friction that only such a squeeze can load is what holds
 //! the scene, it is **wedged**: it stands only if it has been squeezed.
 //!
+//! A rim is as many contacts as it has points: programs begin with some and get those that they turn out to need (`exchange`).
+//!
 //! An interior point method (`solver`) proposes; what is claimed is computed here from its forces and motion: how far the
 //! balance is missed, how far forces lie outside of their cones, and the gap between the bounds of (P) and (D).
 

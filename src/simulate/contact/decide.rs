@@ -46,8 +46,10 @@ pub(in crate::simulate) struct Changed {
     pub(in crate::simulate) told: Vec<Told>,
     /// Whether there was an impact.
     pub(in crate::simulate) struck: bool,
-    /// (J)
+    /// By impacts (J).
     pub(in crate::simulate) lost: f64,
+    /// What springs of contact held that bear no more (J). Springs that come into being deep hold what nothing has put in: no loss.
+    pub(in crate::simulate) released: f64,
 }
 
 impl Contacts {
@@ -94,13 +96,13 @@ impl Contacts {
         }
         let near = |frame: &Frame| match self.is_rigid(frame.key.couple) {
             true => frame.speed.x < self.rest,
-            false => self.bears(frame) || self.is_deep(frame),
+            false => self.bears(frame, time) || self.is_deep(frame),
         };
         let frames: Vec<Frame> = frames.into_iter().filter(near).collect();
         self.closing = GAP;
         let stored = self.potential(system);
-        self.close(&frames, struck.is_empty());
-        changed.lost += stored - self.potential(system);
+        self.close(&frames, struck.is_empty(), time);
+        changed.released += (stored - self.potential(system)).max(0.0);
         self.hold(system, time, state)?;
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
         self.tell(&before, &struck, &mut changed);
@@ -149,7 +151,7 @@ impl Contacts {
 
     /// Contacts of these frames are closed from now on: those that slip do, others stick until it is decided; what stuck goes on to
     /// if it is `undisturbed` by impacts.
-    fn close(&mut self, frames: &[Frame], undisturbed: bool) {
+    fn close(&mut self, frames: &[Frame], undisturbed: bool, time: f64) {
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
             // Between two steps rows are met to the accuracy of the interpolation only.
@@ -164,8 +166,11 @@ impl Contacts {
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
-            let (straight, across, pushes) = (false, 0.0, self.bears(frame));
-            Closed { key: frame.key, state, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
+            let (straight, across, pushes) = (false, 0.0, self.bears(frame, time));
+            let before = self.closed.iter().find(|was| was.key == frame.key && was.pushes == pushes);
+            let since = before.map_or(time, |was| was.since);
+            let (key, gap) = (frame.key, meeting.gap);
+            Closed { key, state, axis, gap, meeting, force, slip, straight, across, pushes, since }
         });
         self.closed = closed.collect();
     }

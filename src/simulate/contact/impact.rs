@@ -14,8 +14,10 @@ use crate::contact::cone::{Answer, Law};
 use crate::contact::frame::{Frame, problem};
 use nalgebra::Vector3;
 
-/// Impacts one after the other at one instant; then all at once, without restitution.
-const MOST_IMPACTS: usize = 400;
+/// Impacts one after the other at one instant; of more of them what is left is answered at once and without restitution if it is nearly nothing.
+const MOST_IMPACTS: usize = 20_000;
+/// Part of the first speed of approach that is nearly nothing.
+const SPENT: f64 = 1e-6;
 /// Forces that change by less in a sweep are found.
 pub(super) const FOUND: f64 = 1e-13;
 /// Sweeps of the cone problem.
@@ -61,10 +63,18 @@ impl Contacts {
         let bounces = |frame: &Frame| self.law(frame.key.couple).law.restitution() > 0.0;
         let mut couples: Vec<usize> = frames.iter().map(|frame| frame.key.couple).collect();
         couples.dedup();
+        let fastest = speeds.iter().map(|speed| -speed.x).fold(0.0, f64::max);
         let in_turn = couples.len() > 1 && frames.iter().any(|frame| self.approaches(frame) && bounces(frame));
         for impact in 0..=MOST_IMPACTS {
             let worst = (0..frames.len()).min_by(|a, b| speeds[*a].x.total_cmp(&speeds[*b].x));
             let Some(worst) = worst.filter(|worst| speeds[*worst].x < -self.rest) else { break };
+            if impact == MOST_IMPACTS && speeds[worst].x < -SPENT * fastest {
+                let why = format!(
+                    "after {MOST_IMPACTS} impacts at one instant they still approach with {:.3e} m/s",
+                    -speeds[worst].x
+                );
+                return Err(Trouble::Undecided { between: self.between(frames[worst].key.couple), why });
+            }
             let all = !in_turn || impact == MOST_IMPACTS;
             let taking: Vec<usize> =
                 (0..frames.len()).filter(|i| all || frames[*i].key.couple == frames[worst].key.couple).collect();

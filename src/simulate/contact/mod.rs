@@ -117,8 +117,9 @@ pub(super) struct Closed {
     /// Whether it slips along a straight line, and the force across that, in parts of friction.
     straight: bool,
     across: f64,
-    /// Whether it may bear: a compliant one does not where it would pull.
+    /// Whether it may bear, since when (s): a compliant one does not where it would pull.
     pushes: bool,
+    since: f64,
 }
 
 /// The contacts of a run.

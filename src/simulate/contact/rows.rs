@@ -175,8 +175,8 @@ impl Contacts {
             return Ok(false);
         }
         let mut scratch = vec![0.0; v.len()];
-        let mut moved = false;
-        for _ in 0..MOST_ROUNDS {
+        let (mut moved, mut rounds) = (false, 0);
+        loop {
             let mut mass = self.refresh(system, time, q, v, &mut scratch)?;
             let off = |(closed, frame): (&Closed, &Frame)| match closed.state {
                 ContactState::Spare => 0.0,
@@ -185,10 +185,10 @@ impl Contacts {
             };
             let off: Vec<f64> = self.closed.iter().zip(&self.frames).map(off).collect();
             let size = self.model.length_scale();
-            if !off.iter().any(|off| off.abs() > 1e-13 * size) {
+            if rounds == MOST_ROUNDS || !off.iter().any(|off| off.abs() > 1e-13 * size) {
                 break;
             }
-            moved = true;
+            (moved, rounds) = (true, rounds + 1);
             let by = self.lifted(&mut mass, &off);
             System::displace(&self.model, q, &by);
         }
@@ -196,7 +196,6 @@ impl Contacts {
         let speeds: Vec<f64> = rows.iter().map(|row| self.frames[row.of].speed.dot(&row.measures)).collect();
         let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
-            // After the last round it is that of the place before.
             let answers = self.answers(&mut system.factorized_beside(q, v), &rows);
             let rates = DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u));
             let change = self.solve(&self.matrix(&rows, &answers), &rates);

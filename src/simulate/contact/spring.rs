@@ -45,10 +45,12 @@ impl Contacts {
         Some(-k * frame.meeting.gap - d * frame.speed.x)
     }
 
-    /// Whether a compliant contact bears from now on.
-    pub(super) fn bears(&self, frame: &Frame) -> bool {
+    /// Whether a compliant contact bears from a time (s) on. Where its force is rounding, one that was closed before begins or ends
+    /// to push: it is the event of that; of one that closes now the motion says it.
+    pub(super) fn bears(&self, frame: &Frame, time: f64) -> bool {
+        let was = || self.closed.iter().find(|was| was.key == frame.key);
         self.pressure(frame).is_none_or(|force| match force.abs() <= ROUNDING * self.scale {
-            true => frame.speed.x < 0.0,
+            true => was().map_or(frame.speed.x < 0.0, |was| was.pushes == (was.since == time)),
             false => force > 0.0,
         })
     }

@@ -57,12 +57,12 @@ fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
     (largest > 1e-3).then(|| equals.min_by_key(|i| !slides[landscape.free[*i]]))?
 }
 
-/// The axis of a single coordinate in inertial axes; one of the link's axes for a ball.
+/// The axis of a single coordinate in inertial axes; one of the link's axes for a ball; none for strains of a beam.
 fn direction(landscape: &mut Landscape<'_>, place: &Place, coordinate: usize) -> Option<Vector3<f64>> {
     let model = &Arc::clone(landscape.model());
     let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {
         let (_, count) = link.joint.counts();
-        (link.velocity..link.velocity + count).contains(&coordinate)
+        !link.joint.is_flex() && (link.velocity..link.velocity + count).contains(&coordinate)
     })?;
     let steady = landscape.steady.clone();
     let at = landscape.system().at(0.0, &place.q, &steady);

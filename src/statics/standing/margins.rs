@@ -3,6 +3,7 @@
 use super::closed::Scene;
 use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
+use crate::contact::support::Undecided;
 use crate::model::parameter::Field;
 use crate::model::problem::in_one_line;
 use crate::model::{Description, Model, Parameter, Problem};
@@ -86,14 +87,17 @@ fn direction(
     Ok(changed.iter().zip(&bearers.load).map(|(changed, load)| (changed - load) / step).collect())
 }
 
+/// With more supports than this two threads share the directions of a tilt: each program takes longer than a thread does to begin.
+const MANY: usize = 200;
+
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
-fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &mut Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
+fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
     let size = model.gravity.norm();
     if !(size > 0.0) {
         return Ok(Vec::new());
     }
     let down = model.gravity / size;
-    let mut found = Vec::new();
+    let mut axes = Vec::new();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|(axis, _)| *axis != down.iamax()) {
         let along = Vector3::ith(axis, 1.0);
         let across = (along - down * down.dot(&along)).normalize();
@@ -101,12 +105,26 @@ fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &mut Bearers) -> Result<Vec<(
         tilted.gravity += across * size;
         let changed = load(&Arc::new(tilted), pose)?;
         let direction: Vec<f64> = changed.iter().zip(&bearers.load).map(|(changed, load)| changed - load).collect();
-        for (sign, upwards) in [("+", true), ("-", false)] {
-            let limit = bearers.supports.limit(&bearers.load, &direction, upwards)?;
-            found.push((format!("{sign}{name}"), limit.value.abs(), limit.motion));
-        }
+        axes.push((name, direction));
     }
-    Ok(found)
+    let both_ways = |(name, direction): &(&str, Vec<f64>)| -> Result<Vec<(String, f64, Vec<f64>)>, Undecided> {
+        let ways = [("+", true), ("-", false)].map(|(sign, upwards)| {
+            let limit = bearers.supports.clone().limit(&bearers.load, direction, upwards)?;
+            Ok((format!("{sign}{name}"), limit.value.abs(), limit.motion))
+        });
+        ways.into_iter().collect()
+    };
+    let found: Result<Vec<_>, Undecided> = match bearers.supports.len() > MANY {
+        true => std::thread::scope(|scope| {
+            let others: Vec<_> = axes[1..].iter().map(|axis| scope.spawn(|| both_ways(axis))).collect();
+            let first = both_ways(&axes[0]);
+            let joined =
+                others.into_iter().map(|other| other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            std::iter::once(first).chain(joined).collect()
+        }),
+        false => axes.iter().map(both_ways).collect(),
+    };
+    Ok(found?.concat())
 }
 
 /// Part of a range, or of its end where it has one, that a clamped value keeps from the end: at the end itself nothing is spared.
