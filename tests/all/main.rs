@@ -7,6 +7,7 @@ mod accelerations;
 mod addresses;
 mod architecture;
 mod beams;
+mod bounces;
 mod building;
 mod cli;
 mod closed_forms;

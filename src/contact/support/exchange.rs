@@ -27,8 +27,11 @@ pub struct Rim {
     pub known: Vec<f64>,
 }
 
-/// What a motion of a program may go against (1): the answer is that much too small at most, in parts of the loads.
+/// What a motion of a program may go against (1), in parts of its largest rate: the answer is that much too small at most, in parts of the
+/// loads...
 const ALLOWED: f64 = 1e-10;
+/// ... or so many times what it goes against it at points that the program has, which is how well it is solved.
+const SOLVED: f64 = 4.0;
 /// Points of a turn at which (1) is looked at first.
 const PARTS: usize = 48;
 /// Points that are nearer to each other are one (rad): between them (1) is missed by a part of its square.
@@ -51,6 +54,9 @@ impl Rim {
         let rate = |column: &Column| column.iter().map(|(row, entry)| entry * motion[*row]).sum::<f64>();
         let rates = self.columns.each_ref().map(|set| set.each_ref().map(rate));
         let margin = |angle: f64| self.margin(&rates, part, angle);
+        let largest = rates.iter().flatten().fold(1.0_f64, |most, rate| most.max(rate.abs()));
+        let missed = self.known.iter().map(|angle| -margin(*angle)).fold(0.0, f64::max);
+        let allowed = ALLOWED * largest + SOLVED * missed;
         let mut found = Vec::new();
         for [from, to] in &self.arcs {
             let parts = ((to - from) / TAU * PARTS as f64).ceil().max(2.0);
@@ -63,7 +69,7 @@ impl Rim {
                     let ends = if whole { [f64::NEG_INFINITY, f64::INFINITY] } else { [*from, *to] };
                     let [low, high] = [k - 1.0, k + 1.0].map(|k| (from + k * step).clamp(ends[0], ends[1]));
                     let angle = lowest(&margin, low, high);
-                    if margin(angle) < -ALLOWED {
+                    if margin(angle) < -allowed {
                         found.push(angle);
                     }
                 }

@@ -160,7 +160,10 @@ impl Push {
         for (i, part) in free.zip(&mode.shape) {
             shape[i] = PUSH * part;
         }
-        let hinge = mode.shares.first().map_or(String::new(), |(name, _)| name.clone());
+        // What rolls on contacts has no shares: the body that moves most.
+        let most = (0..shape.len()).max_by(|a, b| shape[*a].abs().total_cmp(&shape[*b].abs()));
+        let moves = || most.map_or(String::new(), |i| model.bodies[model.coordinates[i].body].name.clone());
+        let hinge = mode.shares.first().map_or_else(moves, |(name, _)| name.clone());
         (mode.growth_rate > 0.0).then_some(Self { hinge, rate: mode.growth_rate, shape })
     }
 

@@ -37,7 +37,7 @@ fn on_both_sides(bench: &Bench, bodies: &str, limit: f64, heading: f64) {
 #[test]
 fn a_drum_tips_over_its_rim_along_every_heading() {
     let (bench, mut random) = (Bench::new(), Random::new(31));
-    for _ in 0..20 {
+    for _ in 0..12 {
         let (radius, height) = (random.between(0.05, 0.5), random.between(0.1, 1.0));
         let (heading, turned) = (random.between(0.0, 6.28), random.between(0.0, 6.28));
         let bodies = drum("drum", radius, height, [0.3, -0.2, 0.5 * height], turned);
@@ -50,7 +50,7 @@ fn a_drum_tips_over_its_rim_along_every_heading() {
 fn a_drum_on_a_smaller_or_shifted_one_tips_where_both_rims_end() {
     let (bench, mut random) = (Bench::new(), Random::new(32));
     let mut by = [0, 0];
-    for _ in 0..20 {
+    for _ in 0..12 {
         let (radius, height) = (random.between(0.1, 0.5), random.between(0.1, 0.4));
         let (under, shift, at) = (random.between(0.1, 0.5), random.between(0.0, 0.09), random.between(0.0, 6.28));
         let heading = random.between(0.0, 6.28);
@@ -60,13 +60,13 @@ fn a_drum_on_a_smaller_or_shifted_one_tips_where_both_rims_end() {
         let to_lower = along + (under * under - across * across).sqrt();
         let limit = radius.min(to_lower) / (0.5 * height);
         by[usize::from(to_lower < radius)] += 1;
-        // The lower one is flat and heavy, so that it stands.
-        let lower = drum("lower", under, 0.01, [0.0, 0.0, 0.005], 0.0).replace("density = 500", "density = 500000");
+        // The lower one is flat, so that it stands.
+        let lower = drum("lower", under, 0.01, [0.0, 0.0, 0.005], 0.0).replace("density = 500", "density = 5000");
         let place = [shift * at.cos(), shift * at.sin(), 0.01 + 0.5 * height];
         let bodies = lower + &drum("upper", radius, height, place, 0.0);
         on_both_sides(&bench, &bodies, limit, heading);
     }
-    assert!(by[0] > 2 && by[1] > 2, "{by:?}");
+    assert!(by[0] > 1 && by[1] > 1, "{by:?}");
 }
 
 /// A drum whose disc hangs over the edges of a box: what they have in common is bounded by both.
@@ -74,7 +74,7 @@ fn a_drum_on_a_smaller_or_shifted_one_tips_where_both_rims_end() {
 fn a_drum_over_the_edge_of_a_box_tips_over_that_or_over_its_rim() {
     let (bench, mut random) = (Bench::new(), Random::new(33));
     let mut by = [0, 0];
-    for _ in 0..20 {
+    for _ in 0..12 {
         let (radius, height) = (random.between(0.2, 0.5), random.between(0.2, 0.6));
         let (beyond, heading) = (random.between(0.02, 0.15), random.between(-1.5, 1.5));
         // The edge is `beyond` to the right of the axis, across x.
@@ -88,14 +88,14 @@ fn a_drum_over_the_edge_of_a_box_tips_over_that_or_over_its_rim() {
         let bodies = table + &drum("drum", radius, height, [0.0, 0.0, 1.0 + 0.5 * height], 0.4);
         on_both_sides(&bench, &bodies, limit, heading);
     }
-    assert!(by[0] > 1 && by[1] > 2, "{by:?}");
+    assert!(by[0] > 0 && by[1] > 1, "{by:?}");
 }
 
 /// A stool on three round feet: the middle of the pressure leaves what is spanned by three discs.
 #[test]
 fn a_stool_tips_over_the_rims_of_two_feet_or_of_one() {
     let (bench, mut random) = (Bench::new(), Random::new(34));
-    for _ in 0..12 {
+    for _ in 0..8 {
         let (foot, far, height) = (random.between(0.02, 0.08), random.between(0.15, 0.3), random.between(0.3, 0.6));
         let turned = random.between(0.0, 2.0);
         let feet = [0, 1, 2].map(|k| turned + f64::from(k) * std::f64::consts::TAU / 3.0);
