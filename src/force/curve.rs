@@ -152,6 +152,10 @@ impl Act for CurveLaw {
         }
     }
 
+    fn is_uneven(&self) -> bool {
+        true
+    }
+
     fn boundaries(&self) -> [Option<usize>; 4] {
         let kinks = |table: &Option<Table>| table.as_ref().map_or([None; 2], Table::kinks);
         let ([a, b], [c, d]) = (kinks(&self.extension), kinks(&self.rate));

@@ -152,6 +152,10 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.switches(),)+ }
             }
 
+            fn is_uneven(&self) -> bool {
+                match self { $(Self::$kind(law) => law.is_uneven(),)+ }
+            }
+
             fn boundaries(&self) -> [Option<usize>; 4] {
                 match self { $(Self::$kind(law) => law.boundaries(),)+ }
             }

@@ -108,6 +108,11 @@ pub trait Act {
         None
     }
 
+    /// Whether it has a part of the places that it can be in to itself, beside which it pushes otherwise: steps look there.
+    fn is_uneven(&self) -> bool {
+        false
+    }
+
     /// The boundaries between smooth parts of its law that are next to the part in which it is kept, by their index.
     fn boundaries(&self) -> [Option<usize>; 4] {
         [None; 4]

@@ -190,6 +190,10 @@ impl Act for RopeLaw {
         Some(["slack", "taut"])
     }
 
+    fn is_uneven(&self) -> bool {
+        true
+    }
+
     fn boundaries(&self) -> [Option<usize>; 4] {
         [Some(TAUT), self.has_damping().then_some(LONG), None, None]
     }

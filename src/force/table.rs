@@ -59,6 +59,13 @@ struct Piece {
 }
 
 impl Table {
+    /// The shortest of the intervals between its points, but no shorter than a thousandth of them all.
+    pub fn shortest_interval(&self) -> f64 {
+        let whole = self.at.last().zip(self.at.first()).map_or(f64::INFINITY, |(to, from)| to - from);
+        let each = self.at.windows(2).map(|pair| pair[1] - pair[0]);
+        each.fold(f64::INFINITY, f64::min).max(1e-3 * whole)
+    }
+
     /// What is wrong with points `[x, f]`.
     pub fn check(points: &[[f64; 2]]) -> Option<BadPoint> {
         let bad = |index, message, help| Some(BadPoint { index, message, help });

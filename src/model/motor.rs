@@ -204,6 +204,11 @@ impl Motor {
         }
     }
 
+    /// Whether it follows a formula of its coordinate, which may be anything anywhere.
+    pub fn is_of_place(&self) -> bool {
+        matches!(&self.law, MotorLaw::Formula(formula) if formula.uses(COORDINATE))
+    }
+
     /// Whether its force is the same at all times as long as its coordinate rests.
     pub fn is_steady(&self) -> bool {
         match &self.law {

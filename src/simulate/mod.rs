@@ -8,6 +8,7 @@
 //! | `staged` | one run after the other, each of the structure of its stage |
 //! | [`problem`] | a system as a problem of time stepping: the only place where mechanics and integrators meet |
 //! | `choice`, `stiffness` | which method steps, and how fast the fastest motion is |
+//! | `stride` | how far a step may go so that nothing on its way is overlooked |
 //! | [`events`] | the functions that are watched, and the transition that is found first |
 //! | `stops` | what stops and dry friction of hinges hold, and what follows at an instant |
 //! | `contact` | bodies that touch: their rows, instants, events, and steps that capture many events |
@@ -38,6 +39,7 @@ mod staged;
 mod state;
 mod stiffness;
 mod stops;
+mod stride;
 
 pub use checks::{precision, rest, verify};
 pub use entry::{run, run_controlled, scene};

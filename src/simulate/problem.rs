@@ -10,6 +10,7 @@ use crate::simulate::implicit::tangent::Tangent;
 use crate::simulate::passage::Passage;
 use crate::simulate::state::State;
 use crate::simulate::stops::nonsmooth::{Holding, Nonsmooth, within};
+use crate::simulate::stride::Stride;
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -50,6 +51,8 @@ pub struct Motion {
     pub(super) contacts: Option<Box<Contacts>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     pub(super) passage: Option<Passage>,
+    /// How far a step may go.
+    stride: Stride,
     /// Scratch for residuals near those.
     pub(super) allowed: Vec<f64>,
     pub(super) balance: Vec<f64>,
@@ -85,6 +88,7 @@ impl Motion {
         Self {
             system,
             coordinates,
+            stride: Stride::new(model),
             position_scales,
             velocity_scales,
             tangent,
@@ -361,6 +365,10 @@ impl Problem for Motion {
             Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v)? || moved),
             None => Ok(moved),
         }
+    }
+
+    fn longest_step(&self, v: &[f64]) -> f64 {
+        self.stride.longest(v)
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {

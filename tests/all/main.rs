@@ -72,6 +72,7 @@ mod sensitivity;
 mod settle;
 mod stages;
 mod statics;
+mod stride;
 #[cfg(feature = "friction")]
 mod support;
 mod touch;

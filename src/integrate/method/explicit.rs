@@ -151,7 +151,7 @@ impl Explicit {
             return Ok(false);
         }
         loop {
-            let trial = self.propose()?;
+            let trial = self.propose(problem)?;
             let error = self.attempt(problem, trial);
             if self.judge(problem, trial, error)? {
                 return Ok(true);
@@ -160,11 +160,11 @@ impl Explicit {
     }
 
     /// The next step to try.
-    fn propose(&mut self) -> Result<Trial, StepError> {
+    fn propose<P: Problem>(&mut self, problem: &P) -> Result<Trial, StepError> {
         if std::mem::take(&mut self.accepted) {
             self.rates.swap(0, self.pair.last);
         }
-        let trial = self.control.propose(&self.progress)?;
+        let trial = self.control.propose(&self.progress, problem.longest_step(self.progress.velocity()))?;
         self.norm.allow(trial.step);
         Ok(trial)
     }
@@ -197,7 +197,7 @@ impl Explicit {
         loop {
             let (trial, stage) = match self.under_way.take() {
                 Some(under_way) => under_way,
-                None => (self.propose()?, 1),
+                None => (self.propose(problem)?, 1),
             };
             match self.stage(problem, trial, stage) {
                 Ok(time) => {

@@ -114,7 +114,7 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
         if self.progress.finished() {
             return Ok(());
         }
-        let trial = self.control.propose(&self.progress)?;
+        let trial = self.control.propose(&self.progress, f64::INFINITY)?;
         while let Err(limit) = self.attempt(problem, trial) {
             // Old tangents are to blame first.
             let statistics = &self.progress.statistics;

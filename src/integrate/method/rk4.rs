@@ -106,7 +106,7 @@ impl<P: Problem> Stepper<P> for Rk4 {
         if self.progress.finished() {
             return Ok(());
         }
-        let trial = self.control.propose(&self.progress)?;
+        let trial = self.control.propose(&self.progress, f64::INFINITY)?;
         if let Err(limit) = self.attempt(problem, trial) {
             return self.control.fail(trial, limit, &self.progress);
         }
@@ -124,7 +124,7 @@ impl<P: Problem> Staged<P> for Rk4 {
         loop {
             let (trial, stage) = match self.under_way.take() {
                 Some(under_way) => under_way,
-                None => (self.control.propose(&self.progress)?, 1),
+                None => (self.control.propose(&self.progress, f64::INFINITY)?, 1),
             };
             match self.stage(problem, trial, stage) {
                 Ok(time) => {

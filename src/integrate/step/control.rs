@@ -98,11 +98,11 @@ impl Controller {
         self.fixed.is_some()
     }
 
-    /// The next step to try, cut to land on the end.
+    /// The next step to try, no longer than `longest` (s) and cut to land on the end.
     ///
     /// # Errors
     /// If the step is lost in the rounding of time.
-    pub(crate) fn propose(&self, progress: &Progress) -> Result<Trial, StepError> {
+    pub(crate) fn propose(&self, progress: &Progress, longest: f64) -> Result<Trial, StepError> {
         let (time, end) = (progress.time, progress.end);
         let rest = end - time;
         if self.step < shortest_step(progress).min(rest)
@@ -110,16 +110,17 @@ impl Controller {
         {
             return Err(StepError::Underflow { time, step: self.step, limit: limit.clone() });
         }
+        let step = if self.fixed.is_some() { self.step } else { self.step.min(longest.max(shortest_step(progress))) };
         let after = match &self.fixed {
-            Some(grid) => grid.origin + (grid.count + 1) as f64 * self.step,
-            None if rest < 2.0 * self.step => time + 0.5 * rest,
-            None => time + self.step,
+            Some(grid) => grid.origin + (grid.count + 1) as f64 * step,
+            None if rest < 2.0 * step => time + 0.5 * rest,
+            None => time + step,
         };
-        if rest <= self.step * STRETCH || after >= end {
+        if rest <= step * STRETCH || after >= end {
             return Ok(Trial { step: rest, time: end });
         }
         if after <= time {
-            return Err(StepError::option("step", self.step, "long enough to differ from the rounding of time"));
+            return Err(StepError::option("step", step, "long enough to differ from the rounding of time"));
         }
         // The step that time really makes, rounding included: times and states stay together.
         Ok(Trial { step: after - time, time: after })

@@ -156,6 +156,11 @@ impl Trees {
         let largest = all.iter().map(Vec::len).max().unwrap_or(0);
         Self { all, of, largest }
     }
+
+    /// Whether two velocity coordinates are of one tree.
+    pub(super) fn hang_together(&self, one: usize, other: usize) -> bool {
+        self.of[one].0 == self.of[other].0
+    }
 }
 
 fn trees(model: &crate::model::Model) -> Vec<Vec<usize>> {

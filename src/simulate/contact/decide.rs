@@ -5,6 +5,7 @@ use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
+use crate::contact::pairs::Key;
 use crate::dynamics::{Factorized, Fault, System};
 use crate::simulate::events::Kind;
 use crate::simulate::state::State;
@@ -48,7 +49,8 @@ pub(in crate::simulate) struct Changed {
     pub(in crate::simulate) struck: bool,
     /// By impacts (J).
     pub(in crate::simulate) lost: f64,
-    /// What springs of contact held that bear no more (J). Springs that come into being deep hold what nothing has put in: no loss.
+    /// What springs of contacts held that bear no more, less what those hold that bear again (J). Those that come or go while they are deep
+    /// hold what nothing has put in or taken out: that is unaccounted for.
     pub(in crate::simulate) released: f64,
 }
 
@@ -100,9 +102,9 @@ impl Contacts {
         };
         let frames: Vec<Frame> = frames.into_iter().filter(near).collect();
         self.closing = GAP;
-        let stored = self.potential(system);
+        let pushed: Vec<(Key, bool)> = self.closed.iter().map(|was| (was.key, was.pushes)).collect();
         self.close(&frames, struck.is_empty(), time);
-        changed.released += (stored - self.potential(system)).max(0.0);
+        changed.released += self.released(&pushed, system);
         self.hold(system, time, state)?;
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
         self.tell(&before, &struck, &mut changed);

@@ -209,6 +209,17 @@ impl Contacts {
         self.rest = self.rest.max(speed);
     }
 
+    /// Whether what moves along a velocity coordinate may touch something, by itself or through what hangs together with it.
+    pub(super) fn is_beside(&self, velocity: usize) -> bool {
+        let links = &self.model.links;
+        let touches = |piece: &crate::contact::pairs::Piece| {
+            let way = std::iter::successors(Some(piece.link), |at| Some(links[*at].parent)).take_while(|at| *at != 0);
+            way.into_iter()
+                .any(|at| links[at].joint.counts().1 > 0 && self.trees.hang_together(links[at].velocity, velocity))
+        };
+        self.pairs.couples.iter().flat_map(|couple| couple.pieces).any(|piece| touches(&self.pairs.pieces[piece]))
+    }
+
     /// Whether captured steps are at work.
     pub(super) fn is_captured(&self) -> bool {
         self.regime == Regime::Captured

@@ -13,7 +13,7 @@
 use super::{Closed, Contacts};
 use crate::contact::frame::Frame;
 use crate::contact::geometry::feature::Meeting;
-use crate::contact::pairs::DEEPER;
+use crate::contact::pairs::{DEEPER, Key};
 use crate::dynamics::{Factorized, System};
 use crate::model::StopLaw;
 use nalgebra::Vector3;
@@ -87,13 +87,27 @@ impl Contacts {
             return 0.0;
         }
         self.pairs.place_at(system.links());
-        let pushing = self.closed.iter().filter(|closed| closed.pushes);
-        let energy = |closed: &Closed| {
-            let [k, _] = self.spring(closed.key.couple)?;
-            let gap = self.pairs.meeting(&closed.key)?.gap.min(0.0);
-            Some(0.5 * k * gap * gap)
+        self.closed.iter().filter(|closed| closed.pushes).map(|closed| self.stored(&closed.key)).sum()
+    }
+
+    /// Energy in the spring of a contact where shapes are placed (J).
+    fn stored(&self, key: &Key) -> f64 {
+        let gap = self.pairs.meeting(key).map_or(0.0, |meeting| meeting.gap.min(0.0));
+        self.spring(key.couple).map_or(0.0, |[k, _]| 0.5 * k * gap * gap)
+    }
+
+    /// What springs of contacts hold that bear no more, less what those hold that bear again (J), from which ones bore before.
+    pub(super) fn released(&mut self, before: &[(Key, bool)], system: &System) -> f64 {
+        if !self.is_compliant() {
+            return 0.0;
+        }
+        self.pairs.place_at(system.links());
+        let changed = |closed: &Closed| {
+            let (_, pushed) = before.iter().find(|(key, _)| *key == closed.key)?;
+            let sign = f64::from(i8::from(*pushed) - i8::from(closed.pushes));
+            Some(sign * self.stored(&closed.key))
         };
-        pushing.filter_map(energy).sum()
+        self.closed.iter().filter_map(changed).sum()
     }
 
     /// Power that dampers of closed contacts take out at the last place (W).

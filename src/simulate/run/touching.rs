@@ -60,7 +60,8 @@ impl Run<'_, '_> {
         if contacts.is_captured() {
             return Ok(());
         }
-        if !self.model.hinge_friction.is_empty() && !contacts.is_at_rest() {
+        let rubs = self.model.hinge_friction.iter().any(|own| contacts.is_beside(own.velocity));
+        if rubs && !contacts.is_at_rest() {
             // Dry friction of hinges beside contacts is followed by captured steps alone.
             return self.capture_or(motion, time, || "dry friction of hinges beside it".to_owned());
         }

@@ -2,7 +2,7 @@
 
 use super::Run;
 use crate::integrate::Method;
-use crate::model::CurveEnd;
+use crate::model::{CurveEnd, StopSide};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Transition};
 use crate::simulate::problem::Motion;
@@ -43,8 +43,15 @@ impl Run<'_, '_> {
             let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
             return Err(RunError::Contact { name: rule.name.clone(), why });
         }
-        if matches!(transition, Transition::Strike(_)) && self.try_capture(motion, time) {
-            // A rigid stop and contacts at one instant: captured steps resolve both.
+        let touches = |side: StopSide| {
+            let velocity = self.model.stops[side.stop].velocity;
+            motion.contacts.as_ref().is_some_and(|contacts| contacts.is_beside(velocity))
+        };
+        if let Transition::Strike(side) = transition
+            && touches(side)
+            && self.try_capture(motion, time)
+        {
+            // A rigid stop of what may touch: captured steps resolve both.
             self.arm(motion, time);
             return Ok(());
         }

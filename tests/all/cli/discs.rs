@@ -61,8 +61,8 @@ fn a_drum_on_a_smaller_or_shifted_one_tips_where_both_rims_end() {
         let limit = radius.min(to_lower) / (0.5 * height);
         by[usize::from(to_lower < radius)] += 1;
         // The lower one is flat, so that it stands.
-        let lower = drum("lower", under, 0.01, [0.0, 0.0, 0.005], 0.0).replace("density = 500", "density = 5000");
-        let place = [shift * at.cos(), shift * at.sin(), 0.01 + 0.5 * height];
+        let lower = drum("lower", under, 0.002, [0.0, 0.0, 0.001], 0.0).replace("density = 500", "density = 50000");
+        let place = [shift * at.cos(), shift * at.sin(), 0.002 + 0.5 * height];
         let bodies = lower + &drum("upper", radius, height, place, 0.0);
         on_both_sides(&bench, &bodies, limit, heading);
     }

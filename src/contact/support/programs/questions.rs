@@ -8,6 +8,8 @@ use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Sca
 const NONE: f64 = 1e-9;
 /// What does not stand with so many times its friction is not held by friction.
 const MOST_FRICTION: f64 = 1e6;
+/// An answer that further points of rims change by no more than this, in parts of the loads, has settled.
+const SETTLED: f64 = 1e-9;
 /// Programs that (M) takes at most.
 const MOST_PROGRAMS: usize = 100;
 
@@ -118,12 +120,15 @@ impl Supports {
         part: f64,
         program: impl Fn(&Self) -> Result<Grown, Undecided>,
     ) -> Result<Grown, Undecided> {
+        let mut before = f64::INFINITY;
         for _ in 0..MOST_EXCHANGES {
             let grown = program(self)?;
+            let settled = (grown.upper - before).abs() <= SETTLED;
+            before = grown.upper;
             // What no support feels, and what holds any load, is so with any points.
             let is_known =
                 grown.upper <= -0.99 * AMPLE || grown.certificate.unbalanced > BALANCED && grown.lower == grown.upper;
-            if is_known || !self.exchange(&self.motion(&grown.motion), part) {
+            if is_known || !self.exchange(&self.motion(&grown.motion), part) || settled {
                 return Ok(grown);
             }
         }
@@ -158,9 +163,12 @@ impl Supports {
     /// # Errors
     /// [`Undecided`] if the answer misses the balance.
     pub fn limit(&mut self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
+        let mut before = f64::INFINITY;
         for _ in 0..MOST_EXCHANGES {
             let (found, motion) = self.limit_of_known(load, direction, upwards)?;
-            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) {
+            let settled = (found.value - before).abs() <= SETTLED * found.value.abs();
+            before = found.value;
+            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) || settled {
                 return Ok(found);
             }
         }

@@ -1,0 +1,77 @@
+//! How far a step may go so that nothing on its way is overlooked.
+//!
+//! Estimates of errors and searches for events look at a step in some of its places. Where nothing accelerates steps grow without bound, and
+//! what lies between is passed: a shape on the rim of a wheel that coasts, a marker that crosses a plane twice in every turn, the bump of a
+//! table. Where a scene has something that begins and ends somewhere, no coordinate goes further in a step than
+//!
+//! ```text
+//! (1)  0.4 rad;   half the shortest interval of a table over it;   a twentieth of the scene's length, or 0.4 rad, under a formula of it
+//! ```
+//!
+//! at the speeds with which the step begins, by powers of two: methods that pay for a change of step seldom change it for that.
+
+use crate::force::Act;
+use crate::model::{CurveOver, Link, Model, Watched};
+
+/// A turn within which what turns comes near something once at most (rad).
+const TURN: f64 = 0.4;
+/// Part of the scene's length along which a formula is looked at once.
+const WAY: f64 = 0.05;
+/// Part of the shortest interval of a table.
+const INTERVAL: f64 = 0.5;
+
+/// Velocity coordinates, and how far each may go in a step (m, rad).
+#[derive(Debug, Clone, Default)]
+pub(super) struct Stride {
+    reaches: Vec<(usize, f64)>,
+}
+
+impl Stride {
+    pub(super) fn new(model: &Model) -> Self {
+        let mut reaches = Vec::new();
+        if is_watched(model) {
+            let turns = |link: &&Link| !link.joint.is_distance() && !link.joint.is_flex();
+            for link in model.links.iter().skip(1).filter(turns) {
+                let own = link.velocity..link.velocity + link.joint.counts().1;
+                reaches.extend(own.map(|velocity| (velocity, TURN)));
+            }
+        }
+        for curve in model.curves.iter().filter(|curve| curve.over == CurveOver::Position) {
+            reaches.push((curve.coordinate.velocity, INTERVAL * curve.table.shortest_interval()));
+        }
+        for motor in model.motors.iter().filter(|motor| motor.is_of_place()) {
+            let way = if motor.coordinate.slides { WAY * model.length_scale() } else { TURN };
+            reaches.push((motor.coordinate.velocity, way));
+        }
+        Self { reaches }
+    }
+
+    /// The longest step at these velocities (s).
+    pub(super) fn longest(&self, v: &[f64]) -> f64 {
+        let time = self.reaches.iter().map(|(i, reach)| reach / v[*i].abs()).fold(f64::INFINITY, f64::min);
+        if time.is_finite() && time > 0.0 { time.log2().floor().exp2() } else { f64::INFINITY }
+    }
+}
+
+/// Whether it matters where bodies are between the places that a step looks at.
+fn is_watched(model: &Model) -> bool {
+    let far = |of: &Watched| !matches!(of, Watched::Position(_));
+    !model.contacts.is_empty()
+        || model.events.iter().any(|event| far(&event.of))
+        || model.forces.iter().any(|force| force.law.is_uneven())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fastest_for_its_reach_says_how_long_a_step_may_be() {
+        let stride = Stride { reaches: vec![(0, 0.4), (2, 0.1)] };
+        // 0.01 s, and the power of two below it.
+        assert_eq!(stride.longest(&[40.0, 1e9, -2.0]), 0.007_812_5);
+        assert_eq!(stride.longest(&[0.0, 1e9, -2.0]), 0.031_25);
+        assert_eq!(stride.longest(&[0.0, 1e9, 0.0]), f64::INFINITY);
+        assert_eq!(Stride::default().longest(&[1.0]), f64::INFINITY);
+    }
+}
