@@ -17,6 +17,9 @@ use super::rows::Element;
 use crate::model::Model;
 use crate::motion::Motion;
 
+/// A reach below this part of the scene's length is none: what is left of places that cancel to zero.
+const NOWHERE: f64 = 1e-30;
+
 /// Levers below this part of the reach are round-off.
 const NO_LEVER: f64 = 1e-9;
 
@@ -110,6 +113,8 @@ fn of_components(model: &Model, elements: &[Element], own: &[Lengths]) -> Vec<Le
     let mut found = vec![Lengths::default(); elements.len()];
     own.iter().zip(&of).for_each(|(own, first)| found[*first] = found[*first].max(*own));
     // If no hinge reaches from end to end, the bodies themselves are the only lengths there are.
+    let nothing = NOWHERE * model.length_scale();
+    found.iter_mut().filter(|lengths| lengths.reach <= nothing).for_each(|lengths| lengths.reach = 0.0);
     let mut bodies = vec![0.0_f64; elements.len()];
     for (element, first) in elements.iter().zip(&of).filter(|(_, first)| found[**first].reach == 0.0) {
         for link in between_ends(model, element) {

@@ -339,6 +339,7 @@ impl Run<'_, '_> {
                 return Ok(resume);
             }
             if (transition.is_none() || self.is_due(next)) && time >= self.segment_end(next) {
+                self.lose_mass(motion, time, next);
                 time = next;
                 if self.is_due(time) {
                     self.carried = resume.step;

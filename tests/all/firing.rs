@@ -289,3 +289,19 @@ fn bad_tables_are_shown_where_they_are_written() {
     scene.toml: 1 error
     "#);
 }
+
+/// A stage that is dropped has half of the mass and of the energy: the account of the run says where that went.
+#[test]
+fn mass_that_goes_at_once_takes_its_energy_along() {
+    let text = "gravity = [0, 0, 0]\n[[body]]\nname = \"rocket\"\n\
+                burn = { times = [0.0, 0.5, 0.5, 1.0], mass = [4.0, 4.0, 2.0, 2.0] }\n\
+                hinge = { type = \"prismatic\", axis = [1, 0, 0], velocity = 3.0 }\n";
+    let summary = crate::contact_in_motion::go(
+        &crate::contact_in_motion::read(text),
+        1.0,
+        1e-9,
+        stillpoint::integrate::Method::Dop853,
+    );
+    assert!((summary.state.velocity[0] - 3.0).abs() < 1e-12, "{:?}", summary.state);
+    assert!(summary.energy_drift < 1e-12, "{}", summary.energy_drift);
+}

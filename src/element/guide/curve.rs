@@ -67,6 +67,11 @@ impl GuideCurve {
     }
 }
 
+/// Looks over a curve of formulas, and the part of a tangent that changes between two of them where something is narrow.
+const LOOKS: usize = 1000;
+const OFF: f64 = 0.381_966_011_250_105;
+const CHANGED: f64 = 0.05;
+
 /// A curve, compiled: its place as a function of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Line {
@@ -132,11 +137,32 @@ impl Line {
                     })?);
                 }
                 match <[Formula; 3]>::try_from(compiled) {
-                    Ok(all) => Ok((Self::Formulas(Box::new(all)), vec![from, to])),
+                    Ok(all) => {
+                        let line = Self::Formulas(Box::new(all));
+                        let breaks = line.looked_over(from, to);
+                        Ok((line, breaks))
+                    }
                     Err(_) => flaw("has not three coordinates".to_owned(), "give x, y and z"),
                 }
             }
         }
+    }
+
+    /// The ends of a range, and the places in it where the tangent changes by more than a twentieth from one of a thousand looks to the
+    /// next: what is narrow there is not passed over.
+    fn looked_over(&self, from: f64, to: f64) -> Vec<f64> {
+        // Off the places that people choose: a kink does not become the border of two pieces that are smooth.
+        let place = |k: usize| from + (to - from) * (k as f64 + OFF) / (LOOKS as f64 + 1.0);
+        let tangents: Vec<Vector3<f64>> = (0..=LOOKS).map(|k| self.at(place(k))[1]).collect();
+        let mut breaks = vec![from];
+        for (k, pair) in tangents.windows(2).enumerate() {
+            if (pair[1] - pair[0]).norm() > CHANGED * pair[0].norm().max(pair[1].norm()) {
+                breaks.extend([k, k + 1].map(place).into_iter().filter(|u| *u > from && *u < to));
+            }
+        }
+        breaks.push(to);
+        breaks.dedup();
+        breaks
     }
 
     /// The place and its first four derivatives by the parameter.

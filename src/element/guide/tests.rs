@@ -115,3 +115,23 @@ fn what_is_not_smooth_is_refused() {
         assert!(flaw.message.contains(says), "{flaw:?}");
     }
 }
+
+/// A hump of half a metre on a way of a hundred: its arc length counts.
+#[test]
+fn what_is_narrow_has_its_arc_length() {
+    let place = ["u".to_owned(), "0".to_owned(), "5.2*exp(-((u-37.3)/0.5)^2)".to_owned()];
+    let hump = GuideCurve::Formulas { parameter: "u".to_owned(), place, range: [-5.0, 100.0] };
+    let guide = Guide::new(&hump, false).expect("a curve");
+    let slope = |u: f64| {
+        let x = (u - 37.3) / 0.5;
+        -2.0 * x / 0.5 * 5.2 * (-x * x).exp()
+    };
+    // The middle of many short pieces, from parameter 0 on.
+    let (mut u, mut s, step) = (0.0, 0.0, 1e-4);
+    while s < 60.0 {
+        s += step * 1.0_f64.hypot(slope(u + 0.5 * step));
+        u += step;
+    }
+    let found = guide.at(s).place.x;
+    assert!((found - u).abs() < 1e-5, "{found} {u}");
+}

@@ -6,6 +6,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::events::Kind;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
+use crate::simulate::state::State;
 use crate::simulate::stops::instant;
 
 impl Run<'_, '_> {
@@ -24,6 +25,16 @@ impl Run<'_, '_> {
 
     pub(super) fn is_due(&self, time: f64) -> bool {
         time < self.end && self.control.as_ref().is_some_and(|control| control.is_due(time))
+    }
+
+    /// Mass that is gone from one time to the next, between which nothing moves, takes its energy along.
+    pub(super) fn lose_mass(&mut self, motion: &mut Motion, before: f64, after: f64) {
+        if self.model.burns.is_empty() {
+            return;
+        }
+        let State { position, velocity } = &self.state;
+        let [with, without] = [before, after].map(|time| motion.energies(time, position, velocity));
+        self.ledger.put_in(without.kinetic + without.potential - with.kinetic - with.potential);
     }
 
     /// Lets controllers act that are due at a time, and decides anew what rests and sticks under what they set.
