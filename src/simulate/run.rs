@@ -231,6 +231,11 @@ impl<'m, 'f> Run<'m, 'f> {
         };
         run.sampler.contacts = contacts;
         run.touch(motion, begin, false)?;
+        if booked.is_none()
+            && let Motion { contacts: Some(contacts), system, .. } = motion
+        {
+            before.potential += run.ledger.held_from_start(contacts.potential(system));
+        }
         run.arm(motion, begin);
         run.control(motion, settings, begin)?;
         run.sampler.sample(motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;

@@ -312,7 +312,7 @@ fn shipped_scenes_run_to_their_end() {
     assert!(count >= 6);
 }
 
-/// Dry friction of a hinge beside a contact that slides: captured steps follow both. A box and a wheel slow down, each by its own friction.
+/// Dry friction of a hinge that might touch something, beside a contact that slides: captured steps follow both. A box and a wheel slow down, each by its own friction.
 #[test]
 fn dry_friction_of_hinges_beside_contacts_that_slide() {
     let mut random = Random::new(0x0f81);
@@ -322,7 +322,7 @@ fn dry_friction_of_hinges_beside_contacts_that_slide() {
         let text = FLOOR.to_owned()
             + &body("box", 1.0, [0.01; 3], "{ box = [0.2, 0.2, 0.1] }", level(0.05), [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
             + &format!(
-                "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, {inertia:?}]\nhinge = {{ type = \"revolute\", axis = [0, 0, 1], velocity = \
+                "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, {inertia:?}]\nshape = {{ sphere = 0.1, at = [0, 0, 3] }}\nhinge = {{ type = \"revolute\", axis = [0, 0, 1], velocity = \
                  [{spin:?}], friction = {torque:?} }}\n"
             )
             + &contact(friction, 0.0);
@@ -370,8 +370,8 @@ fn recorded_contacts_are_what_moves_a_body() {
     for case in 0..12 {
         let (mass, friction) = (random.between(0.5, 3.0), random.between(0.1, 0.6));
         let speed = if case % 3 == 0 { 0.0 } else { random.between(0.5, 2.0) };
-        let wheel = "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"revolute\", axis = [0, 0, 1], velocity = [1.0], \
-                     friction = 0.1 }\n";
+        let wheel = "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { sphere = 0.1, at = [0, 0, 3] }\n\
+                     hinge = { type = \"revolute\", axis = [0, 0, 1], velocity = [1.0], friction = 0.1 }\n";
         let text = FLOOR.to_owned()
             + &body("box", mass, [0.01; 3], "{ box = [0.2, 0.2, 0.1] }", level(0.05), [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
             + if case % 3 == 2 { wheel } else { "" }

@@ -37,7 +37,7 @@ const PARTS: usize = 48;
 /// Points that are nearer to each other are one (rad): between them (1) is missed by a part of its square.
 const ONE: f64 = 1e-6;
 /// Exchanges of one question.
-pub(super) const MOST_EXCHANGES: usize = 40;
+pub(super) const MOST_EXCHANGES: usize = 60;
 
 impl Rim {
     /// `u_n − μ |u_t|` at an angle, of the rates of all columns, with a part of its friction.

@@ -223,8 +223,8 @@ impl Guide {
             if self.is_resolved(a, b) {
                 ends.push(b);
             } else if b - a < shortest || ends.len() > MOST_PIECES {
-                // As many digits as the search has.
-                let digits = 10.0_f64.powf(6.0 - (whole[1] - whole[0]).log10().floor());
+                // As many digits as the search has beside what is steep there.
+                let digits = 10.0_f64.powf(4.0 - (shortest / SHORTEST).log10().floor());
                 let near = (middle * digits).round() / digits + 0.0;
                 return Err(GuideFlaw::new(curve.key(), format!("is not smooth near parameter {near}"), SMOOTH));
             } else {

@@ -127,6 +127,12 @@ impl Ledger {
         Ok(())
     }
 
+    /// Energy that springs of contact hold from the start (J).
+    pub(in crate::simulate) fn held_from_start(&mut self, energy: f64) -> f64 {
+        self.start.potential += energy;
+        energy
+    }
+
     /// Energy that an impact takes out (J).
     pub(in crate::simulate) fn lose(&mut self, energy: f64) {
         self.dissipated += energy;

@@ -9,7 +9,7 @@ const NONE: f64 = 1e-9;
 /// What does not stand with so many times its friction is not held by friction.
 const MOST_FRICTION: f64 = 1e6;
 /// An answer that further points of rims change by no more than this, in parts of the loads, has settled.
-const SETTLED: f64 = 1e-9;
+const SETTLED: f64 = 1e-8;
 /// Programs that (M) takes at most.
 const MOST_PROGRAMS: usize = 100;
 
@@ -122,13 +122,14 @@ impl Supports {
     ) -> Result<Grown, Undecided> {
         let mut before = f64::INFINITY;
         for _ in 0..MOST_EXCHANGES {
-            let grown = program(self)?;
+            let mut grown = program(self)?;
             let settled = (grown.upper - before).abs() <= SETTLED;
             before = grown.upper;
             // What no support feels, and what holds any load, is so with any points.
             let is_known =
                 grown.upper <= -0.99 * AMPLE || grown.certificate.unbalanced > BALANCED && grown.lower == grown.upper;
             if is_known || !self.exchange(&self.motion(&grown.motion), part) || settled {
+                grown.forces.resize(self.columns.len(), 0.0);
                 return Ok(grown);
             }
         }
