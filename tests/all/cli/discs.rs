@@ -2,6 +2,7 @@
 
 use super::Bench;
 use crate::common::Random;
+use std::f64::consts::TAU;
 
 const G: f64 = 9.80665;
 
@@ -41,7 +42,7 @@ fn a_drum_tips_over_its_rim_along_every_heading() {
     let (bench, mut random) = (Bench::new(), Random::new(31));
     for _ in 0..12 {
         let (radius, height) = (random.between(0.05, 0.5), random.between(0.1, 1.0));
-        let (heading, turned) = (random.between(0.0, 6.28), random.between(0.0, 6.28));
+        let (heading, turned) = (random.between(0.0, TAU), random.between(0.0, TAU));
         let bodies = drum("drum", radius, height, [0.3, -0.2, 0.5 * height], turned);
         on_both_sides(&bench, &bodies, 2.0 * radius / height, heading);
     }
@@ -54,8 +55,8 @@ fn a_drum_on_a_smaller_or_shifted_one_tips_where_both_rims_end() {
     let mut by = [0, 0];
     for _ in 0..12 {
         let (radius, height) = (random.between(0.1, 0.5), random.between(0.1, 0.4));
-        let (under, shift, at) = (random.between(0.1, 0.5), random.between(0.0, 0.09), random.between(0.0, 6.28));
-        let heading = random.between(0.0, 6.28);
+        let (under, shift, at) = (random.between(0.1, 0.5), random.between(0.0, 0.09), random.between(0.0, TAU));
+        let heading = random.between(0.0, TAU);
         // From the axis of the upper one along the heading: to its own rim, and to that of the lower one.
         let along = -shift * (at - heading).cos();
         let across = shift * (at - heading).sin();
@@ -100,7 +101,7 @@ fn a_stool_tips_over_the_rims_of_two_feet_or_of_one() {
     for _ in 0..8 {
         let (foot, far, height) = (random.between(0.02, 0.08), random.between(0.15, 0.3), random.between(0.3, 0.6));
         let turned = random.between(0.0, 2.0);
-        let feet = [0, 1, 2].map(|k| turned + f64::from(k) * std::f64::consts::TAU / 3.0);
+        let feet = [0, 1, 2].map(|k| turned + f64::from(k) * TAU / 3.0);
         let shapes: Vec<String> = feet
             .iter()
             .map(|angle| {
@@ -113,7 +114,7 @@ fn a_stool_tips_over_the_rims_of_two_feet_or_of_one() {
              hinge = {{ type = \"free\", position = [0, 0, 0, 1, 0, 0, 0] }}\n",
             shapes.join(", ")
         );
-        let heading = random.between(0.0, 6.28);
+        let heading = random.between(0.0, TAU);
         // How far the triangle of the middles, widened by the radius of the feet, goes along the heading.
         let goes = |reach: f64| {
             let point = [reach * heading.cos(), reach * heading.sin()];
