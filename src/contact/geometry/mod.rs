@@ -27,4 +27,4 @@ mod touch;
 
 pub use solid::{Core, NotConvex, Placed, Solid};
 pub(crate) use touch::tangents;
-pub use touch::{NoNormal, Rim, Touch, touch};
+pub use touch::{NoNormal, RimArcs, Touch, touch};

@@ -17,12 +17,12 @@ pub struct Touch {
     /// Corners of the region of contact, halfway between both surfaces (m), and some points of each rim.
     pub points: Vec<Vector3<f64>>,
     /// Rims of discs on which it ends.
-    pub rims: Vec<Rim>,
+    pub rims: Vec<RimArcs>,
 }
 
 /// Arcs of a circle that bound a region of contact.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rim {
+pub struct RimArcs {
     /// (m)
     pub middle: Vector3<f64>,
     /// To where its angle is 0 and a quarter of a turn (m), across each other.
@@ -31,7 +31,7 @@ pub struct Rim {
     pub arcs: Vec<[f64; 2]>,
 }
 
-impl Rim {
+impl RimArcs {
     /// Its point at an angle (rad).
     pub fn at(&self, angle: f64) -> Vector3<f64> {
         self.middle + self.arms[0] * angle.cos() + self.arms[1] * angle.sin()
@@ -244,7 +244,7 @@ fn region(normal: &Vector3<f64>, a: &Placed, b: &Placed, slack: f64) -> Option<T
         }
     };
     let arcs = arcs.into_iter().filter(|(_, arcs)| !arcs.is_empty());
-    let rims: Vec<Rim> = arcs.map(|(disc, arcs)| frame.rim(&disc, arcs, height)).collect();
+    let rims: Vec<RimArcs> = arcs.map(|(disc, arcs)| frame.rim(&disc, arcs, height)).collect();
     let mut points = frame.points(&corners, &rims, height, slack);
     if points.is_empty() && gap < -slack {
         // They overlap so far that the features at this depth are not above each other: one point says where.
@@ -275,8 +275,8 @@ impl Frame {
         Some(Disc { middle: [self.first.dot(&middle), self.second.dot(&middle)], radius: core.rim })
     }
 
-    fn rim(&self, disc: &Disc, arcs: Arcs, height: f64) -> Rim {
-        Rim {
+    fn rim(&self, disc: &Disc, arcs: Arcs, height: f64) -> RimArcs {
+        RimArcs {
             middle: self.point(&disc.middle, height),
             arms: [self.first * disc.radius, self.second * disc.radius],
             arcs,
@@ -284,7 +284,7 @@ impl Frame {
     }
 
     /// Corners and points of rims, those in one place once.
-    fn points(&self, corners: &[Point], rims: &[Rim], height: f64, slack: f64) -> Vec<Vector3<f64>> {
+    fn points(&self, corners: &[Point], rims: &[RimArcs], height: f64, slack: f64) -> Vec<Vector3<f64>> {
         let mut points: Vec<Vector3<f64>> = corners.iter().map(|corner| self.point(corner, height)).collect();
         for point in rims.iter().flat_map(|rim| rim.corners().into_iter().map(|angle| rim.at(angle))) {
             if points.iter().all(|known| (known - point).norm() > slack) {

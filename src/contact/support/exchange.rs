@@ -15,7 +15,7 @@ type Column = Vec<(usize, f64)>;
 
 /// A rim that presses as Coulomb says, or without friction.
 #[derive(Debug, Clone)]
-pub struct Rim {
+pub struct RimSupport {
     /// 0 if there is none.
     pub friction: f64,
     /// Columns of the normal and of both tangents: at the middle, and what a point at angle 0 and one a quarter of a turn further
@@ -39,7 +39,7 @@ const ONE: f64 = 1e-6;
 /// Exchanges of one question.
 pub(super) const MOST_EXCHANGES: usize = 60;
 
-impl Rim {
+impl RimSupport {
     /// `u_n − μ |u_t|` at an angle, of the rates of all columns, with a part of its friction.
     fn margin(&self, rates: &[[f64; 3]; 3], part: f64, angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
@@ -92,7 +92,7 @@ fn lowest(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 
 impl Supports {
     /// Adds a rim whose `known` points are supports.
-    pub fn add_rim(&mut self, rim: Rim) {
+    pub fn add_rim(&mut self, rim: RimSupport) {
         self.rims.push(rim);
     }
 

@@ -35,7 +35,7 @@ mod programs;
 mod slack;
 mod solver;
 
-pub use exchange::Rim;
+pub use exchange::RimSupport;
 pub use slack::slack;
 use std::ops::Range;
 
@@ -117,7 +117,7 @@ pub struct Supports {
     units: Vec<f64>,
     /// The same for the forces of each support.
     levers: Vec<f64>,
-    rims: Vec<Rim>,
+    rims: Vec<RimSupport>,
     /// Points of rims that were added: see [`Supports::added`].
     added: Vec<(usize, f64)>,
 }

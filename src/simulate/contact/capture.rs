@@ -7,8 +7,8 @@
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
 //! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back with
-//! every step, and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed. Coordinates of trees are put back on their rigid limits. Dry friction of hinges
-//! is bounded in (2). The method has order 1; a step and its two
+//! every step, and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
+//! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1; a step and its two
 //! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
 use super::blocks::Blocks;
@@ -411,17 +411,15 @@ fn moreau(
     let Some(contacts) = contacts else {
         return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, opposed: 0.0, raised: 0.0, found: true });
     };
-    let frames = contacts.ahead(mass.motion(), h);
+    let mut frames = contacts.ahead(mass.motion(), h);
     let mut supports = contacts.supports(&frames, &position, v);
     let waits = |support: &Support| {
         support.gap > 0.0 && contacts.restitution(support) > 0.0 && along(&support.columns[0], v) < -contacts.rest
     };
-    let waiting: Vec<bool> = supports.iter().map(waits).collect();
-    let mut at = waiting.iter();
-    let mut frames = frames;
-    frames.retain(|_| at.next().is_some_and(|waits| !waits));
-    let mut at = waiting.iter();
-    supports.retain(|_| at.next().is_some_and(|waits| !waits));
+    // Frames are those of the first supports.
+    let mut own = supports.iter();
+    frames.retain(|_| own.next().is_some_and(|support| !waits(support)));
+    supports.retain(|support| !waits(support));
     let blocks = Blocks::new(contacts, &mut mass, &supports);
     let longest = LONGEST * contacts.model.time_scale();
     let way = |support: &Support| {

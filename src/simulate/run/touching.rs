@@ -81,10 +81,7 @@ impl Run<'_, '_> {
             self.state = kept;
             return self.capture_or(motion, time, || "shapes overlap that no contact keeps apart".to_owned());
         }
-        // Contacts take what moves by impacts, and by holding what has come to rest; what they would give is left unaccounted for.
-        let took = before.kinetic - after.kinetic;
-        let knows = self.model.drives.is_empty() && took >= 0.0;
-        self.ledger.lose(changed.released + if knows { took } else { changed.lost });
+        self.ledger.lose(changed.lost + changed.released);
         // Only an impact does work on what drives move.
         if changed.struck && !self.model.drives.is_empty() {
             self.ledger.put_in(after.kinetic - before.kinetic + changed.lost);

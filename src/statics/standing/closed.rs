@@ -1,6 +1,6 @@
 //! Which contacts of a pose are closed.
 
-use crate::contact::geometry::{Rim, tangents, touch};
+use crate::contact::geometry::{RimArcs, tangents, touch};
 use crate::contact::pairs::{Couple, Pairs, Untouchable};
 use crate::model::contact::DryFriction;
 use crate::model::{Model, StopLaw};
@@ -40,7 +40,7 @@ pub(super) struct Scene {
     pub(super) motion: Motion,
     pub(super) contacts: Vec<Contact>,
     /// Rims on which discs press, each with a contact on it and the angles (rad) of all of those.
-    pub(super) rims: Vec<(Rim, Contact, Vec<f64>)>,
+    pub(super) rims: Vec<(RimArcs, Contact, Vec<f64>)>,
 }
 
 impl Scene {

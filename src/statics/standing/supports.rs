@@ -2,7 +2,7 @@
 
 use super::closed::Scene;
 use crate::contact::frame::column_of;
-use crate::contact::support::{self, Cone, Rim, Supports, Undecided};
+use crate::contact::support::{self, Cone, RimSupport, Supports, Undecided};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side};
 use nalgebra::Vector3;
@@ -73,7 +73,7 @@ impl Bearers {
             };
             let columns = [middle.clone(), beyond(&rim.arms[0]), beyond(&rim.arms[1])];
             let (friction, arcs, known) = (contact.friction.stick, rim.arcs.clone(), known.clone());
-            bearers.supports.add_rim(Rim { friction, columns, arcs, known });
+            bearers.supports.add_rim(RimSupport { friction, columns, arcs, known });
         }
         for friction in &model.hinge_friction {
             let (velocity, count) = (friction.velocity, friction.count);

@@ -120,22 +120,23 @@ impl Supports {
         part: f64,
         program: impl Fn(&Self) -> Result<Grown, Undecided>,
     ) -> Result<Grown, Undecided> {
-        let mut before = f64::INFINITY;
+        let (mut before, mut miss) = (f64::INFINITY, [f64::INFINITY; 2]);
         for round in 1..=MOST_EXCHANGES {
             let mut grown = program(self)?;
-            // Forces at some points of rims hold a load whatever others could bear.
-            let holds = round == MOST_EXCHANGES && grown.upper <= AT_THE_LIMIT;
-            let settled = (grown.upper - before).abs() <= SETTLED || holds;
-            before = grown.upper;
+            let change = (grown.upper - before).abs();
+            (before, miss) = (grown.upper, [grown.certificate.unbalanced, change]);
             // What no support feels, and what holds any load, is so with any points.
             let is_known =
                 grown.upper <= -0.99 * AMPLE || grown.certificate.unbalanced > BALANCED && grown.lower == grown.upper;
-            if is_known || !self.exchange(&self.motion(&grown.motion), part) || settled {
+            // Forces at some points of rims hold a load whatever others could bear.
+            let holds = round == MOST_EXCHANGES && grown.upper <= AT_THE_LIMIT;
+            if is_known || !self.exchange(&self.motion(&grown.motion), part) || change <= SETTLED || holds {
                 grown.forces.resize(self.columns.len(), 0.0);
                 return Ok(grown);
             }
         }
-        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: f64::NAN, gap: f64::NAN })
+        let [unbalanced, gap] = miss;
+        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap })
     }
 
     /// Scaled rates in velocity coordinates.
@@ -166,16 +167,16 @@ impl Supports {
     /// # Errors
     /// [`Undecided`] if the answer misses the balance.
     pub fn limit(&mut self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
-        let mut before = f64::INFINITY;
+        let (mut before, mut change) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_EXCHANGES {
             let (found, motion) = self.limit_of_known(load, direction, upwards)?;
-            let settled = (found.value - before).abs() <= SETTLED * found.value.abs();
+            change = (found.value - before).abs() / found.value.abs();
             before = found.value;
-            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) || settled {
+            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) || change <= SETTLED {
                 return Ok(found);
             }
         }
-        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: f64::NAN, gap: f64::NAN })
+        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: 0.0, gap: change })
     }
 
     /// (L) with the points of rims that are known, and its multipliers of the balance.
