@@ -9,6 +9,8 @@ mod datasets;
 #[cfg(feature = "friction")]
 mod discs;
 #[cfg(feature = "friction")]
+mod edges;
+#[cfg(feature = "friction")]
 mod held_by_friction;
 mod interrupt;
 mod keys;

@@ -92,6 +92,20 @@ fn one_length_in_millimetres_among_metres_is_told() {
     }
 }
 
+/// A row of bodies a metre apart leads hundreds of metres away, step by step.
+#[test]
+fn a_row_that_leads_far_away_is_as_it_is_meant() {
+    let body = |k: usize| {
+        let far = k + 1;
+        format!(
+            "[[body]]\nname = \"b{k}\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], at = [{far}.0, 0.0, 1.0] }}\n"
+        )
+    };
+    // Of four hundred, each with a height of 1 m, half of the lengths are 1 m.
+    assert_eq!(warnings(&(0..400).map(body).collect::<String>()), "");
+}
+
 /// A body on a slide along z, 0.1 m to 1 m from the ground, on a spring that lets it sink by a hundredth of that.
 fn slide(random: &mut Random) -> (f64, f64, f64) {
     let (mass, length) = (10f64.powf(random.between(-1.0, 3.0)), random.between(0.1, 1.0));
