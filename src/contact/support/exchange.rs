@@ -6,7 +6,9 @@
 //!
 //! is what (D) asks of a motion: a program with as many cones as a rim has points. Those at which the motion of a program with
 //! some of them goes against (1) the most are added, and the program is solved again, until there are none (exchange method:
-//! Hettich, Kortanek, "Semi-infinite programming", SIAM Review 35, 1993).
+//! Hettich, Kortanek, "Semi-infinite programming", SIAM Review 35, 1993). Between two neighbours that press, the middle of their
+//! pressure is added with them: it is off the rim by the square of their distance only, where the motion, of which a rim that tips
+//! leaves many, halves that distance.
 
 use super::{Cone, Supports};
 use std::f64::consts::TAU;
@@ -23,8 +25,8 @@ pub struct RimSupport {
     pub columns: [[Column; 3]; 3],
     /// From an angle to a larger one (rad).
     pub arcs: Vec<[f64; 2]>,
-    /// Angles whose points are supports already (rad).
-    pub known: Vec<f64>,
+    /// Angles whose points are supports already (rad), and which ones these are.
+    pub known: Vec<(f64, usize)>,
 }
 
 /// What a motion of a program may go against (1), in parts of its largest rate: the answer is that much too small at most, in parts of the
@@ -36,6 +38,8 @@ const SOLVED: f64 = 4.0;
 const PARTS: usize = 48;
 /// Points that are nearer to each other are one (rad): between them (1) is missed by a part of its square.
 const ONE: f64 = 1e-6;
+/// What bears less than this part of what its rim bears does not press.
+const PRESSES: f64 = 1e-6;
 /// Exchanges of one question.
 pub(super) const MOST_EXCHANGES: usize = 60;
 
@@ -49,14 +53,16 @@ impl RimSupport {
         if friction > 0.0 && friction.is_finite() { n - friction * t.hypot(s) } else { n }
     }
 
-    /// Angles at which a motion (velocity coordinates) goes against (1) and further than beside them.
-    fn against(&self, motion: &[f64], part: f64) -> Vec<f64> {
+    /// Angles at which a motion (velocity coordinates) goes against (1) and further than beside them, by more than `enough` of what pushes
+    /// there grows by.
+    fn against(&self, motion: &[f64], part: f64, enough: f64) -> Vec<f64> {
         let rate = |column: &Column| column.iter().map(|(row, entry)| entry * motion[*row]).sum::<f64>();
         let rates = self.columns.each_ref().map(|set| set.each_ref().map(rate));
         let margin = |angle: f64| self.margin(&rates, part, angle);
         let largest = rates.iter().flatten().fold(1.0_f64, |most, rate| most.max(rate.abs()));
-        let missed = self.known.iter().map(|angle| -margin(*angle)).fold(0.0, f64::max);
-        let allowed = ALLOWED * largest + SOLVED * missed;
+        let missed = self.known.iter().map(|(angle, _)| -margin(*angle)).fold(0.0, f64::max);
+        let friction = Some(self.friction * part).filter(|friction| *friction > 0.0 && friction.is_finite());
+        let allowed = (ALLOWED * largest + SOLVED * missed).max(enough * friction.unwrap_or(1.0));
         let mut found = Vec::new();
         for [from, to] in &self.arcs {
             let parts = ((to - from) / TAU * PARTS as f64).ceil().max(2.0);
@@ -76,6 +82,27 @@ impl RimSupport {
             }
         }
         found
+    }
+
+    /// Middles of pressure of neighbours, of the normal force of every support.
+    fn middles(&self, pressure: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut known: Vec<(f64, f64)> =
+            self.known.iter().map(|(angle, support)| (angle.rem_euclid(TAU), pressure(*support))).collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let least = PRESSES * known.iter().fold(0.0, |most: f64, (_, force)| most.max(*force));
+        let next = |i: usize| match known.get(i + 1) {
+            Some(next) => *next,
+            None => (known[0].0 + TAU, known[0].1),
+        };
+        let pairs = (0..known.len()).map(|i| (known[i], next(i)));
+        let middles = pairs.filter(|((_, low), (_, high))| *low > least && *high > least);
+        let middles = middles.map(|((from, low), (to, high))| from + (to - from) * high / (low + high));
+        middles.filter(|angle| self.has(*angle)).collect()
+    }
+
+    /// Whether an angle is on one of the arcs.
+    fn has(&self, angle: f64) -> bool {
+        self.arcs.iter().any(|[from, to]| (angle - from).rem_euclid(TAU) <= to - from)
     }
 }
 
@@ -101,13 +128,28 @@ impl Supports {
         &self.added
     }
 
-    /// Adds the points of rims at which a motion (velocity coordinates) goes against (1) with a part of all friction; whether there are
-    /// any.
-    pub(super) fn exchange(&mut self, motion: &[f64], part: f64) -> bool {
+    /// Whether a support is a point of a rim of which three others are known: what slides at none of these slides nowhere on the rim,
+    /// each part of `u_t(φ)` in (1) having two roots at most unless it is zero.
+    pub(super) fn follows(&self, support: usize) -> bool {
+        let Some(place) = (support + self.added.len()).checked_sub(self.len()) else { return false };
+        let rim = self.added[place].0;
+        let from_here = self.added[place..].iter().filter(|(of, _)| *of == rim).count();
+        self.rims[rim].known.len() >= 3 + from_here
+    }
+
+    /// Adds the points of rims at which a motion (velocity coordinates) goes against (1) with a part of all friction, by more than
+    /// `enough`, and the middles of pressure of forces there; whether there are any.
+    pub(super) fn exchange(&mut self, motion: &[f64], forces: &[f64], part: f64, enough: f64) -> bool {
         let before = self.added.len();
         for at in 0..self.rims.len() {
-            for angle in self.rims[at].against(motion, part) {
-                let apart = |known: &f64| (known - angle).sin().abs() > ONE || (known - angle).cos() < 0.0;
+            let mut angles = self.rims[at].against(motion, part, enough);
+            if angles.is_empty() {
+                continue;
+            }
+            angles.extend(self.rims[at].middles(|support| forces[self.starts[support]]));
+            for angle in angles {
+                let apart =
+                    |(known, _): &(f64, usize)| (known - angle).sin().abs() > ONE || (known - angle).cos() < 0.0;
                 if self.rims[at].known.iter().all(apart) {
                     self.add_point(at, angle);
                 }
@@ -117,8 +159,9 @@ impl Supports {
     }
 
     fn add_point(&mut self, at: usize, angle: f64) {
+        let support = self.len();
         let rim = &mut self.rims[at];
-        rim.known.push(angle);
+        rim.known.push((angle, support));
         let (sin, cos) = angle.sin_cos();
         let column = |k: usize| -> Column {
             let part = |set: usize, by: f64| rim.columns[set][k].iter().map(move |(row, entry)| (*row, by * entry));

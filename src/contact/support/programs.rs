@@ -50,6 +50,11 @@ impl<'a> Scaled<'a> {
         for (i, cone) in supports.cones.iter().enumerate() {
             let lever = supports.levers[i];
             columns.extend(supports.scaled_columns(i));
+            // What cannot slide at all bears sideways without end at many points of one rim.
+            if friction.is_infinite() && supports.follows(i) {
+                let own = supports.range(i);
+                columns[own.start + 1..own.end].iter_mut().for_each(Vec::clear);
+            }
             cones.push(match cone.scaled(friction) {
                 Cone::Ball { bound, size: count } => Cone::Ball { bound: bound / (size * lever), size: count },
                 other => other,

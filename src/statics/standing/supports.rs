@@ -72,7 +72,14 @@ impl Bearers {
                 })
             };
             let columns = [middle.clone(), beyond(&rim.arms[0]), beyond(&rim.arms[1])];
-            let (friction, arcs, known) = (contact.friction.stick, rim.arcs.clone(), known.clone());
+            // Contacts are the first supports.
+            let nearest = |angle: &f64| {
+                let off = |k: &usize| (scene.contacts[*k].point - rim.at(*angle)).norm();
+                let own = (0..scene.contacts.len()).filter(|k| scene.contacts[*k].bodies == contact.bodies);
+                own.min_by(|a, b| off(a).total_cmp(&off(b))).map(|support| (*angle, support))
+            };
+            let (friction, arcs) = (contact.friction.stick, rim.arcs.clone());
+            let known = known.iter().filter_map(nearest).collect();
             bearers.supports.add_rim(RimSupport { friction, columns, arcs, known });
         }
         for friction in &model.hinge_friction {

@@ -8,10 +8,22 @@ use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Sca
 const NONE: f64 = 1e-9;
 /// What does not stand with so many times its friction is not held by friction.
 const MOST_FRICTION: f64 = 1e6;
-/// An answer that further points of rims change by no more than this, in parts of the loads, has settled.
+/// A load factor that points of rims could change by no more than this part of it has settled.
 const SETTLED: f64 = 1e-8;
+/// Points of rims that a motion goes against by no more than this part of τ* do not turn its sign. More of them share what slides at
+/// many: τ* itself has no limit then.
+const SIGN: f64 = 1e-4;
 /// Programs that (M) takes at most.
 const MOST_PROGRAMS: usize = 100;
+
+/// What is asked of (P) about points of rims that a program does not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Asked {
+    /// Whether a load is held: forces that hold it at some points do so whatever others could bear.
+    Verdict,
+    /// By how much.
+    Distance,
+}
 
 /// (P) at a part of all friction.
 struct Friction {
@@ -22,6 +34,15 @@ struct Friction {
     slope: f64,
     /// How far the bounds are apart.
     gap: f64,
+}
+
+/// The answer to (L), scaled.
+struct Loaded {
+    limit: Limit,
+    motion: Vec<f64>,
+    forces: Vec<f64>,
+    /// α.
+    factor: f64,
 }
 
 impl Friction {
@@ -54,7 +75,7 @@ impl Supports {
         if least < UNEVEN {
             return Err(Undecided::Uneven { ratio: least });
         }
-        let mut grown = self.grow(load, 1.0)?;
+        let mut grown = self.grow(load, 1.0, Asked::Distance)?;
         let stands = grown.upper <= AT_THE_LIMIT && grown.certificate.unbalanced <= BALANCED;
         if !stands && !(grown.lower > 0.0) {
             let Certificate { unbalanced, gap, .. } = grown.certificate;
@@ -90,13 +111,13 @@ impl Supports {
 
     /// Whether they hold a load without friction; what is not decided so is not.
     fn stands_without_friction(&mut self, load: &[f64]) -> bool {
-        let found = self.grow(load, 0.0);
+        let found = self.grow(load, 0.0, Asked::Verdict);
         found.is_ok_and(|none| none.upper <= AT_THE_LIMIT && none.certificate.unbalanced <= BALANCED)
     }
 
     /// (P) with all friction times a factor, and as many points of rims as its answer depends on.
-    fn grow(&mut self, load: &[f64], part: f64) -> Result<Grown, Undecided> {
-        self.exchanged(part, |supports| match part > 0.0 {
+    fn grow(&mut self, load: &[f64], part: f64, asked: Asked) -> Result<Grown, Undecided> {
+        self.exchanged(part, asked, |supports| match part > 0.0 {
             true => Scaled::new(supports, load, part).grow(),
             false => Scaled::new(supports, load, 1.0).without_friction(0..supports.len()).grow(),
         })
@@ -107,7 +128,7 @@ impl Supports {
         if Scaled::new(self, load, 1.0).squeezed()?.is_empty() {
             return Ok(false);
         }
-        let left = self.exchanged(1.0, |supports| {
+        let left = self.exchanged(1.0, Asked::Verdict, |supports| {
             let scaled = Scaled::new(supports, load, 1.0);
             scaled.without_friction(scaled.squeezed()?.into_iter()).grow()
         });
@@ -118,19 +139,20 @@ impl Supports {
     fn exchanged(
         &mut self,
         part: f64,
+        asked: Asked,
         program: impl Fn(&Self) -> Result<Grown, Undecided>,
     ) -> Result<Grown, Undecided> {
-        let (mut before, mut miss) = (f64::INFINITY, [f64::INFINITY; 2]);
+        let mut miss = [f64::INFINITY; 2];
         for round in 1..=MOST_EXCHANGES {
             let mut grown = program(self)?;
-            let change = (grown.upper - before).abs();
-            (before, miss) = (grown.upper, [grown.certificate.unbalanced, change]);
+            let Certificate { unbalanced, gap, .. } = grown.certificate;
+            miss = [unbalanced, gap];
             // What no support feels, and what holds any load, is so with any points.
-            let is_known =
-                grown.upper <= -0.99 * AMPLE || grown.certificate.unbalanced > BALANCED && grown.lower == grown.upper;
-            // Forces at some points of rims hold a load whatever others could bear.
-            let holds = round == MOST_EXCHANGES && grown.upper <= AT_THE_LIMIT;
-            if is_known || !self.exchange(&self.motion(&grown.motion), part) || change <= SETTLED || holds {
+            let is_known = grown.upper <= -0.99 * AMPLE || unbalanced > BALANCED && grown.lower == grown.upper;
+            let holds = grown.upper <= AT_THE_LIMIT && unbalanced <= BALANCED;
+            let is_decided = holds && (asked == Asked::Verdict || round == MOST_EXCHANGES);
+            let motion = self.motion(&grown.motion);
+            if is_known || is_decided || !self.exchange(&motion, &grown.forces, part, SIGN * grown.upper.abs()) {
                 grown.forces.resize(self.columns.len(), 0.0);
                 return Ok(grown);
             }
@@ -167,20 +189,18 @@ impl Supports {
     /// # Errors
     /// [`Undecided`] if the answer misses the balance.
     pub fn limit(&mut self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
-        let (mut before, mut change) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_EXCHANGES {
-            let (found, motion) = self.limit_of_known(load, direction, upwards)?;
-            change = (found.value - before).abs() / found.value.abs();
-            before = found.value;
-            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) || change <= SETTLED {
-                return Ok(found);
+            let Loaded { limit, motion, forces, factor } = self.limit_of_known(load, direction, upwards)?;
+            let enough = SETTLED * factor.abs().max(1.0);
+            if limit.motion.is_empty() || !self.exchange(&self.motion(&motion), &forces, 1.0, enough) {
+                return Ok(limit);
             }
         }
-        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: 0.0, gap: change })
+        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: 0.0, gap: SETTLED })
     }
 
-    /// (L) with the points of rims that are known, and its multipliers of the balance.
-    fn limit_of_known(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<(Limit, Vec<f64>), Undecided> {
+    /// (L) with the points of rims that are known.
+    fn limit_of_known(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Loaded, Undecided> {
         let scaled = Scaled::new(self, load, 1.0);
         // α counts in what makes w₁ as large as w.
         let unit = scaled.size / Some(self.size(direction)).filter(|size| *size > 0.0).unwrap_or(1.0);
@@ -189,7 +209,8 @@ impl Supports {
         let answer = scaled.answer(&scaled.program(&Extra::Along(&along, if upwards { 1.0 } else { -1.0 })))?;
         let alpha = answer.x[self.columns.len()];
         if alpha.abs() > 0.9 * ENDLESS {
-            return Ok((Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() }, Vec::new()));
+            let limit = Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() };
+            return Ok(Loaded { limit, motion: Vec::new(), forces: Vec::new(), factor: alpha });
         }
         let mut at = Scaled {
             load: scaled.load.clone(),
@@ -205,9 +226,9 @@ impl Supports {
         if !(unbalanced <= BALANCED * most && outside <= AT_THE_LIMIT * most) {
             return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap: outside });
         }
-        let multipliers = answer.multipliers[..self.rows].to_vec();
-        let motion = at.rates_of_coordinates(&multipliers);
-        Ok((Limit { value: alpha * unit, motion }, multipliers))
+        let motion = answer.multipliers[..self.rows].to_vec();
+        let limit = Limit { value: alpha * unit, motion: at.rates_of_coordinates(&motion) };
+        Ok(Loaded { limit, motion, forces, factor: alpha })
     }
 
     /// The smallest part of all friction at which a load is held (M), from the answer at the whole of it; `None` if no friction, however
@@ -228,7 +249,10 @@ impl Supports {
         let (upper, lower) = (-whole.slack, (-whole.slack - gap).max(-AMPLE));
         let mut at = Friction { part: 1.0, tau: 0.5 * (upper + lower), slope: whole.slope, gap };
         let mut motion = whole.motion.clone();
-        if at.tau > AT_THE_LIMIT && self.grow(load, f64::INFINITY)?.lower > 0.0 {
+        // If that is not decided, larger and larger parts decide.
+        if at.tau > AT_THE_LIMIT
+            && self.grow(load, f64::INFINITY, Asked::Verdict).is_ok_and(|endless| endless.lower > 0.0)
+        {
             return Ok(None);
         }
         if at.tau.abs() <= AT_THE_LIMIT {
@@ -257,7 +281,7 @@ impl Supports {
             if next < NONE {
                 return Ok(none());
             }
-            let grown = self.grow(load, next)?;
+            let grown = self.grow(load, next, Asked::Distance)?;
             let scaled = Scaled::new(self, load, next);
             at = Friction::of(&scaled, &grown, next);
             motion = scaled.rates_of_coordinates(&grown.motion);
