@@ -267,6 +267,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         "impacts": summary.impacts,
         "capture_steps": summary.capture_steps,
         "stopped_by": summary.stopped_by,
+        "stages_pending": summary.pending.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "samples": summary.samples,
         "final": {
             "positions": by_hinge(model, position, true),

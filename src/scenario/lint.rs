@@ -84,6 +84,7 @@ pub(super) fn check(document: &DeTable<'_>, numbers: &Numbers, findings: &Findin
         }
     }
     check_lengths(&lengths, findings);
+    check_stages(document, findings);
 }
 
 /// The tables of a list such as `[[body]]`.
@@ -206,6 +207,26 @@ fn check_sag((span, stiffness): &Written, weight: f64, longest: f64, findings: &
             1000.0 * stiffness
         );
         findings.push(Finding::warning(span.clone(), message).help(help));
+    }
+}
+
+/// What waits for a time after the end of the run.
+fn check_stages(document: &DeTable<'_>, findings: &Findings) {
+    let one = |place: Place<'_>| -> Option<f64> {
+        let mut all = Vec::new();
+        collect(place, &mut all);
+        all.first().map(|(_, x)| *x)
+    };
+    let Some(duration) = exactly(document, "simulate.duration").and_then(one) else { return };
+    for stage in tables(document, "stage") {
+        let Some((place, time)) = exactly(stage, "when.time").and_then(|place| Some((place, one(place)?))) else {
+            continue;
+        };
+        if time > duration {
+            let message = format!("the stage comes at {time} s, after the end of the run at {duration} s");
+            findings
+                .push(Finding::warning(place.span(), message).help("a longer `duration` in `[simulate]` reaches it"));
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod transition;
 
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
+use crate::model::description::When;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::simulate::asked::Asked;
@@ -74,6 +75,8 @@ pub struct Summary {
     pub constraint_error: f64,
     /// Outputs that were told with stages: which stage, the name of the number, the number.
     pub told: Vec<(String, String, f64)>,
+    /// Stages that did not come: which, and what it waits for.
+    pub pending: Vec<(String, When)>,
     /// The last state, of this model.
     pub state: State,
     /// The model at the end: after changes of structure another one than at the start.
@@ -231,15 +234,16 @@ impl<'m, 'f> Run<'m, 'f> {
         };
         run.sampler.contacts = contacts;
         run.touch(motion, begin, false)?;
-        if booked.is_none()
+        if booked.is_none_or(|booked| !booked.has_run)
             && let Motion { contacts: Some(contacts), system, .. } = motion
         {
-            before.potential += run.ledger.held_from_start(contacts.potential(system));
+            run.ledger.held_from_start(contacts.potential(system));
         }
         run.arm(motion, begin);
         run.control(motion, settings, begin)?;
         run.sampler.sample(motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
-        Ok((run, before.kinetic + before.potential))
+        let energy_start = run.ledger.start();
+        Ok((run, energy_start))
     }
 }
 
@@ -283,6 +287,7 @@ impl Run<'_, '_> {
             state: self.state,
             model: Arc::clone(self.model),
             told: Vec::new(),
+            pending: Vec::new(),
             resume,
             poses,
             tolerance: settings.tolerance,

@@ -19,7 +19,7 @@ pub(super) use relay::scene;
 
 use crate::constraint::assemble;
 use crate::dynamics::System;
-use crate::model::description::{Description, When};
+use crate::model::description::{Description, StageDescription, When};
 use crate::model::problem::in_one_line;
 use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
@@ -188,10 +188,14 @@ struct Staged<'a> {
 }
 
 impl Staged<'_> {
+    /// The stages that have not come, and their numbers.
+    fn pending(&self) -> impl Iterator<Item = (usize, &StageDescription)> {
+        self.whole.stages.iter().enumerate().filter(|(index, _)| !self.structure.has_come(*index))
+    }
+
     /// The next stage that comes at a time which has not been reached (s), at most `end`.
     fn next(&self, end: f64) -> f64 {
-        let pending = self.whole.stages.iter().enumerate().filter(|(index, _)| !self.structure.has_come(*index));
-        let times = pending.filter_map(|(_, stage)| match stage.when {
+        let times = self.pending().filter_map(|(_, stage)| match stage.when {
             When::Time(time) => Some(time),
             When::Event(_) => None,
         });
@@ -204,11 +208,7 @@ impl Staged<'_> {
             When::Time(time) => *time <= self.time * (1.0 + ROUNDING),
             When::Event(name) => event == Some(name),
         };
-        let stages = self.whole.stages.iter().enumerate();
-        stages
-            .filter(|(index, stage)| !self.structure.has_come(*index) && is_due(&stage.when))
-            .map(|(i, _)| i)
-            .collect()
+        self.pending().filter(|(_, stage)| is_due(&stage.when)).map(|(index, _)| index).collect()
     }
 
     /// Changes the structure: see (1) and (2).
@@ -251,9 +251,10 @@ impl Staged<'_> {
         new.settle(time, &mut state.position, &mut state.velocity).map_err(fault)?;
         let after = new.energies(time, &state.position, &state.velocity);
         let lost = energy.kinetic + energy.potential - after.kinetic - after.potential;
-        if let Some(booked) = &mut self.booked {
-            *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
-        }
+        let start = energy.kinetic + energy.potential;
+        let none = Booked { start, work: 0.0, dissipated: 0.0, drift: 0.0, has_run: false };
+        let booked = self.booked.get_or_insert(none);
+        *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
         (self.model, self.state) = (next, state);
         let size = energy.kinetic.abs() + energy.potential.abs() + after.kinetic.abs() + after.potential.abs();
         let value = if lost.abs() <= ROUND_OFF * size { 0.0 } else { lost };
@@ -320,14 +321,15 @@ pub(super) fn run(
         staged.state.clone_from(&summary.state);
         staged.outputs.clone_from(&summary.outputs);
         let (work, dissipated, drift) = (summary.work, summary.dissipated, summary.energy_drift);
-        staged.booked = Some(Booked { start: summary.energy_start, work, dissipated, drift });
+        staged.booked = Some(Booked { start: summary.energy_start, work, dissipated, drift, has_run: true });
         event.clone_from(&summary.stopped_by);
         let goes_on = match &event {
             Some(name) => !staged.due(Some(name)).is_empty(),
             None => !summary.interrupted && summary.end_time < end * (1.0 - ROUNDING),
         };
         if !goes_on {
-            return Ok(Summary { told: staged.told, ..summary });
+            let pending = staged.pending().map(|(_, stage)| (stage.name.clone(), stage.when.clone())).collect();
+            return Ok(Summary { told: staged.told, pending, ..summary });
         }
         total = Some(Summary { stopped_by: None, ..summary });
     }

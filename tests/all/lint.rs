@@ -155,6 +155,20 @@ fn a_stiffness_in_newtons_per_millimetre_is_told_by_how_far_the_body_sinks() {
     }
 }
 
+/// A stage whose time lies behind the end of the run is told where it is written, and one at its end is not.
+#[test]
+fn a_stage_after_the_end_is_told() {
+    let scene = |time: f64| {
+        format!(
+            "simulate = {{ start = \"given\", duration = 2.0 }}\n{}[[stage]]\nname = \"late\"\nwhen = {{ time = {time:?} }}\nlock = [\"arm\"]\n",
+            hinge("revolute", "position = 0.1")
+        )
+    };
+    let late = warnings(&scene(2.5));
+    assert!(late.contains("after the end of the run at 2 s") && late.contains("scene.toml:9:"), "{late}");
+    assert_eq!(warnings(&scene(1.5)), "");
+}
+
 /// Nothing that is shipped is meant otherwise than it is written.
 #[test]
 fn shipped_scenes_are_not_suspected() {
@@ -168,6 +182,7 @@ fn shipped_scenes_are_not_suspected() {
             "times the median",
             "times the weight",
             "own weight",
+            "after the end of the run",
         ] {
             assert!(!said.contains(words), "{}: {said}", path.display());
         }

@@ -119,6 +119,9 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         let _ = writeln!(out, "  {head:<12} {time} s: {what}");
     }
     more(&mut out, others.len());
+    for (name, when) in &summary.pending {
+        let _ = writeln!(out, "  not come     stage `{name}` waits for {when} still");
+    }
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }

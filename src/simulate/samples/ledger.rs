@@ -65,12 +65,14 @@ pub(in crate::simulate) struct Booked {
     pub(in crate::simulate) work: f64,
     pub(in crate::simulate) dissipated: f64,
     pub(in crate::simulate) drift: f64,
+    /// Whether a run has come before it: a structure may change at the very start.
+    pub(in crate::simulate) has_run: bool,
 }
 
 impl Ledger {
     /// Goes on with what an earlier run has booked.
     pub(in crate::simulate) fn going_on(self, booked: Option<&Booked>) -> Self {
-        let Some(&Booked { start, work, dissipated, drift }) = booked else { return self };
+        let Some(&Booked { start, work, dissipated, drift, .. }) = booked else { return self };
         Self { start: Energies { kinetic: start, potential: 0.0 }, work, dissipated, drift, ..self }
     }
 
@@ -128,9 +130,13 @@ impl Ledger {
     }
 
     /// Energy that springs of contact hold from the start (J).
-    pub(in crate::simulate) fn held_from_start(&mut self, energy: f64) -> f64 {
+    pub(in crate::simulate) fn held_from_start(&mut self, energy: f64) {
         self.start.potential += energy;
-        energy
+    }
+
+    /// Kinetic plus potential energy at the very start (J).
+    pub(in crate::simulate) fn start(&self) -> f64 {
+        self.start.kinetic + self.start.potential
     }
 
     /// Energy that an impact takes out (J).
