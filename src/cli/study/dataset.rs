@@ -13,6 +13,8 @@ use serde_json::{Map, Value, json};
 
 /// Quantiles that are told.
 const PARTS: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
+/// Less than this part of the variance leaves more to what is not a line than to all lines together: coefficients rank nothing.
+const LINEAR: f64 = 0.5;
 /// Inputs that are listed.
 const MOST_INPUTS: usize = 10;
 
@@ -177,11 +179,17 @@ impl Study {
             let share = 100.0 * first.coefficient * first.coefficient;
             let explained = 100.0 * regression.explained;
             let input = &self.inputs[first.input];
-            text += &format!(
-                "  what matters most is `{input}`: {} % of the variance; a line in all inputs explains {} %\n",
-                small(share),
-                small(explained)
-            );
+            text += &match regression.explained >= LINEAR {
+                true => format!(
+                    "  what matters most is `{input}`: {} % of the variance; a line in all inputs explains {} %\n",
+                    small(share),
+                    small(explained)
+                ),
+                false => format!(
+                    "  a line in all inputs explains {} %: what matters most is not a line, and coefficients do not rank it\n",
+                    small(explained)
+                ),
+            };
         }
         let width = regression.effects.iter().map(|effect| self.inputs[effect.input].len()).max().unwrap_or(0);
         text += &format!("  {:width$}   coefficient ± {} %        correlation\n", "input", 100.0 * CONFIDENCE);
