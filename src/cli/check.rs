@@ -1,6 +1,7 @@
 //! `check`: validate only.
 
 use super::{Exit, conditioning, output};
+use crate::contact::pairs::Pairs;
 use crate::import::{Imported, Taken, counted, ignored_kinds};
 use crate::model::Model;
 use crate::scenario::{LoadError, Override, load_with, unreadable_meshes};
@@ -46,14 +47,20 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                     }
                 }
                 models.extend(scenario.models.iter().map(counts));
+                let model = Model::build(&scenario.description).ok();
                 // With loops, `inspect` says so: closing them takes as long as all the rest of a check.
                 if !arguments.quiet
-                    && let Ok(model) = Model::build(&scenario.description)
-                    && !model.is_constrained()
+                    && let Some(model) = model.as_ref().filter(|model| !model.is_constrained())
                 {
-                    conditioning::warn(&name, &conditioning::ill_conditioned(&model));
+                    conditioning::warn(&name, &conditioning::ill_conditioned(model));
                 }
-                0
+                match model.filter(|model| !model.contacts.is_empty()).map(|model| Pairs::new(&model)) {
+                    Some(Err(why)) => {
+                        output::error(&anyhow::Error::new(why).context(name.clone()));
+                        1
+                    }
+                    _ => 0,
+                }
             }
             Err(LoadError::Problems(problems)) => {
                 output::note(problems.render(output::errors_in_color()).trim_end());

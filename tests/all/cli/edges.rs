@@ -68,3 +68,50 @@ fn the_tip_of_a_beam_presses_on_the_floor_that_props_it() {
     // Friction shortens and loads the beam along itself, which a beam of small deflections does not see.
     assert!((lifts - expected).abs() < 1e-3 * expected, "{lifts} {expected}");
 }
+
+/// A lock at the very start stops what moves: the energy of that is lost, and told. What waits for an event that never happens is
+/// named.
+#[test]
+fn stages_at_the_start_are_booked_and_stages_that_never_come_are_named() {
+    let bench = Bench::new();
+    let slide = |name: &str, mass: f64, speed: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = {mass:?}\ninertia = [0.1, 0.1, 0.1]\n\
+             hinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = {speed:?} }}\n"
+        )
+    };
+    let scene = slide("stopped", 2.0, 3.0)
+        + &slide("runs", 1.0, 4.0)
+        + "gravity = [0, 0, 0]\nsimulate = { start = \"given\", duration = 1.0 }\n\
+           [[event]]\nname = \"far\"\nhinge = \"runs\"\nvalue = 100.0\n\
+           [[stage]]\nname = \"brake\"\nwhen = { time = 0.0 }\nlock = [\"stopped\"]\n\
+           [[stage]]\nname = \"end\"\nwhen = { event = \"far\" }\nlock = [\"runs\"]\n";
+    bench.write("scene.toml", &scene);
+    let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+    let number = |key: &str| told[key].as_f64().expect("a number");
+    // ½ · 2 · 3² and ½ · 1 · 4² J.
+    assert!((number("energy_start") - 17.0).abs() < 1e-12 && (number("energy_end") - 8.0).abs() < 1e-12, "{told}");
+    assert!((number("energy_dissipated") - 9.0).abs() < 1e-12 && number("energy_drift") < 1e-12, "{told}");
+    assert_eq!(told["stages_pending"], serde_json::json!(["end"]));
+    let said = bench.call(&["run", "scene.toml", "--out", "b.mcap"]).code(0).out;
+    assert!(said.contains("stage `end` waits for event `far` still"), "{said}");
+}
+
+/// Two half spaces that move against each other overlap wherever they are: `check` says so before anything runs.
+#[test]
+fn what_can_never_touch_is_said_by_check() {
+    let bench = Bench::new();
+    let scene = |shape: &str| {
+        format!(
+            "[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n\
+             [[body]]\nname = \"lid\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = {{ {shape} }}\n\
+             hinge = {{ type = \"free\", position = [0, 0, 1, 1, 0, 0, 0] }}\n\
+             [[contact]]\nbetween = [\"floor\", \"lid\"]\nfriction = 0.5\n"
+        )
+    };
+    bench.write("planes.toml", &scene("plane = [0, 0, -1]"));
+    let told = bench.call(&["check", "planes.toml"]).code(2);
+    assert!(told.err.contains("`lid` is a half space as well") && told.err.contains("planes.toml"), "{told:?}");
+    bench.write("box.toml", &scene("box = [1, 1, 1]"));
+    bench.call(&["check", "box.toml"]).code(0);
+}

@@ -108,3 +108,28 @@ fn what_is_no_dataset_is_refused() {
     bench.write("set/part-0000001.parquet", "cut");
     refused(&["set"], "part-0000001.parquet");
 }
+
+/// The square of what is drawn on both sides of zero has no slope on the whole: nothing is said to matter most by lines that explain
+/// nothing.
+#[test]
+fn what_is_no_line_is_not_ranked_by_lines() {
+    let bench = Bench::new();
+    bench.write(
+        "scene.toml",
+        "gravity = [0, 0, 0]\nparameters = { x = 0.0, y = 0.0 }\n\
+         [[body]]\nname = \"slide\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"= x\" }\n\
+         [[body]]\nname = \"other\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"= y\" }\n\
+         [[output]]\nname = \"place\"\ntype = \"coordinate\"\nof = \"slide.x\"\n\
+         [[output]]\nname = \"off\"\ntype = \"coordinate\"\nof = \"other.x\"\n\
+         [[output]]\nname = \"square\"\ntype = \"expression\"\nexpression = \"place^2 + 0.01*off\"\nunit = \"m2\"\n",
+    );
+    let vary = ["--vary", "parameters.x=uniform(-1, 1)", "--vary", "parameters.y=uniform(-1, 1)"];
+    let call = ["sweep", "scene.toml", "--cases", "300", "--sample", "latin", "--out", "rows", "--quiet"];
+    bench.call(&[&call[..], &vary[..]].concat()).code(0);
+    let of_square = bench.call(&["study", "rows", "--of", "square"]).code(0).out;
+    assert!(of_square.contains("what matters most is not a line") && !of_square.contains("most is `"), "{of_square}");
+    let of_place = bench.call(&["study", "rows", "--of", "place"]).code(0).out;
+    assert!(of_place.contains("what matters most is `parameters.x`"), "{of_place}");
+}
