@@ -33,6 +33,7 @@ mod studies;
 mod sweep;
 mod truths;
 mod walkers;
+mod wobbling;
 mod words;
 
 use crate::scenarios::file;

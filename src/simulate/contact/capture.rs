@@ -2,14 +2,15 @@
 //!
 //! ```text
 //! (1)  q_m = q ⊞ ½ h v,   v⁺ = v + h q̈_free(q_m, v) + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
-//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h_max + e min(u_n, 0))
+//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + ½ h c + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h_max + e min(u_n, 0))
+//!      c   by how much u̇ is more than J q̈: what the contact's own way over the bodies does
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
 //! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back with
 //! every step, and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
-//! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1; a step and its two
-//! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
+//! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
+//! order 2 where contacts roll; a step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
 use super::blocks::Blocks;
 use super::{Contacts, Regime};
@@ -393,6 +394,20 @@ fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>>
     forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
 }
 
+/// How much the rates of a contact change in half a step by the way that it goes over both bodies, `½ h c` of [`crate::contact::frame`]:
+/// nothing of the second order is missed then where it rolls. No more than it approaches with, `u`: where the step leads further
+/// around a body than that, what it meets is another place of it.
+fn bend(frame: Option<&Frame>, support: &Support, u: &Vector3<f64>, h: f64) -> Vector3<f64> {
+    let Some(frame) = frame else { return Vector3::zeros() };
+    let bend = match support.gap > 0.0 {
+        // What has a way to go still arrives at its end.
+        true => Vector3::x() * (0.25 * h * frame.bias.x),
+        false => frame.bias * (0.5 * h),
+    };
+    let (size, most) = (bend.norm(), u.norm());
+    if size > most { bend * (most / size) } else { bend }
+}
+
 /// (1) and (2).
 fn moreau(
     motion: &mut Motion,
@@ -425,10 +440,13 @@ fn moreau(
     let way = |support: &Support| {
         if support.gap > 0.0 { 2.0 * support.gap / h } else { RISES * support.gap / h.max(longest) }
     };
-    let rate = |support: &Support| {
-        let (speed, e) = (along(&support.columns[0], v), contacts.restitution(support));
-        let bounce = if -speed > contacts.rest && support.gap <= 0.0 { e * speed } else { 0.0 };
-        support.rates(&velocity) + Vector3::x() * (way(support) + bounce)
+    let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
+    let bends: Vec<Vector3<f64>> =
+        supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
+    let rate = |(i, support): (usize, &Support)| {
+        let (approach, e) = (along(&support.columns[0], v) - bends[i].x, contacts.restitution(support));
+        let bounce = if -approach > contacts.rest && support.gap <= 0.0 { e * approach } else { 0.0 };
+        free[i] + bends[i] + Vector3::x() * (way(support) + bounce)
     };
     // Of hinges the three numbers are their own.
     let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
@@ -436,15 +454,14 @@ fn moreau(
     let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
     let problem = Problem {
         blocks: blocks.matrix(),
-        rates: supports.iter().map(rate).collect(),
+        rates: supports.iter().enumerate().map(rate).collect(),
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
     let found = problem.solve(&guesses, FOUND, MOST_SWEEPS);
-    let before: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     blocks.push(&found.forces, &mut velocity);
     let (mut lost, mut opposed, mut raised) = (0.0, 0.0, 0.0);
-    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&before) {
+    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
         // Positions go ½ h (v + v⁺): along that impulses do their work.
         lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
         opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
