@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use stillpoint::constraint::assemble;
+use stillpoint::import::{Taken, counted};
 use stillpoint::integrate::Method;
 use stillpoint::model::{Model, Problem};
 use stillpoint::scenario::{self, LoadError, Override, Scenario};
@@ -172,10 +173,19 @@ impl Scene {
         frozen(py, &self.model.start_velocity)
     }
 
-    /// What the reader would warn of.
+    /// What the reader would warn of, and what its models have that was not taken as it stands.
     #[getter]
     fn warnings(&self) -> String {
-        self.scenario.warnings.render(false)
+        let taken = self.scenario.models.iter().filter(|model| !model.notes.is_empty());
+        let lines = taken.map(|model| {
+            let path = model.sources.first().map(|source| source.path.display().to_string()).unwrap_or_default();
+            let lost = model.notes.iter().filter(|note| note.verdict != Taken::Used);
+            let lost = lost.map(|note| {
+                format!("  line {}: {}: {}: {}\n", note.line, note.element, note.verdict.word(), note.what)
+            });
+            format!("{path}: {}\n{}", counted(&model.notes), lost.collect::<String>())
+        });
+        self.scenario.warnings.render(false) + &lines.collect::<String>()
     }
 
     /// The same scene with other numbers, by their addresses: `scene.with_set({"spring.stiffness": 900})`.
@@ -429,6 +439,7 @@ impl Scene {
             })?;
         }
         let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
+        let is_given = start.is_some();
         let (model, start) = match start {
             Some((position, velocity)) => (Arc::clone(&this.model), State { position, velocity }),
             None if settings.start == Start::Equilibrium => {
@@ -449,9 +460,22 @@ impl Scene {
                 start.velocity.len()
             )));
         }
+        let start = if is_given { closed(&model, start)? } else { start };
         let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
         Ok(Asked { model, settings, rate, start, name, text })
     }
+}
+
+/// A state from outside as one of a file: what loops, drives and gears decide follows.
+pub(crate) fn closed(model: &Arc<Model>, state: State) -> PyResult<State> {
+    if state.position.iter().chain(&state.velocity).any(|x| !x.is_finite()) {
+        return Err(PyValueError::new_err("a start has finite numbers alone"));
+    }
+    let (position, velocity) =
+        stillpoint::constraint::closed(model, &state.position, &state.velocity).map_err(|problems| {
+            PyValueError::new_err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+        })?;
+    Ok(State { position, velocity })
 }
 
 /// A number that has to be finite and above zero.

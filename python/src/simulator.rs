@@ -4,7 +4,7 @@ use crate::RunError;
 use crate::control::{inputs, outputs, set};
 use crate::interrupt::Interrupt;
 use crate::run::Asked;
-use crate::scene::frozen;
+use crate::scene::{closed, frozen};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -17,12 +17,40 @@ use stillpoint::simulator::{self, Snapshot};
 #[pyclass(frozen, module = "stillpoint")]
 pub(crate) struct Simulator {
     now: Mutex<simulator::Simulator>,
+    /// Who has it steps: threads take turns, and none steps from where another one has gone on.
+    turn: Mutex<()>,
 }
 
 impl Simulator {
     pub(crate) fn new(asked: Asked) -> Self {
         let Asked { model, settings, start, .. } = asked;
-        Self { now: Mutex::new(simulator::Simulator::new(model, settings, start)) }
+        Self { now: Mutex::new(simulator::Simulator::new(model, settings, start)), turn: Mutex::new(()) }
+    }
+
+    /// Goes on, with these inputs, to the time (s) that follows from where it is.
+    fn go(&self, py: Python<'_>, inputs: Option<Vec<f64>>, until: impl Fn(f64) -> f64 + Send) -> PyResult<()> {
+        let interrupt = Interrupt::new();
+        let watched = &interrupt;
+        // Nobody waits for it with the interpreter in hand.
+        let done = py.detach(move || {
+            let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut now = self.now().clone();
+            if let Some(inputs) = &inputs {
+                now.set_inputs(inputs);
+            }
+            let begin = now.snapshot().time;
+            let time = until(begin);
+            if !(time > begin && time.is_finite()) {
+                return Err(format!("`time` is {time}, allowed: later than {begin} s"));
+            }
+            let done = now.advance(time, &|| watched.go_on());
+            if done.is_ok() && watched.go_on() {
+                *self.now() = now;
+            }
+            Ok(done)
+        });
+        interrupt.check()?;
+        done.map_err(PyValueError::new_err)?.map_err(failed)
     }
 
     fn now(&self) -> MutexGuard<'_, simulator::Simulator> {
@@ -95,35 +123,18 @@ impl Simulator {
 
     /// Goes on to a time (s).
     fn advance(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        let interrupt = Interrupt::new();
-        let watched = &interrupt;
-        // Nobody waits for it with the interpreter in hand.
-        let mut now = self.now().clone();
-        let begin = now.snapshot().time;
-        if !(time > begin && time.is_finite()) {
-            return Err(PyValueError::new_err(format!("`time` is {time}, allowed: later than {begin} s")));
-        }
-        let (now, done) = py.detach(move || {
-            let done = now.advance(time, &|| watched.go_on());
-            (now, done)
-        });
-        interrupt.check()?;
-        done.map_err(failed)?;
-        *self.now() = now;
-        Ok(())
+        self.go(py, None, |_| time)
     }
 
     /// Goes on by so much (s); with inputs for that time, by name, or all of them in a list.
     #[pyo3(signature = (duration, inputs = None))]
     fn step(&self, py: Python<'_>, duration: f64, inputs: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        if let Some(wanted) = inputs {
+        let inputs = inputs.map(|wanted| {
             let now = self.now().clone();
             let mut inputs = now.snapshot().inputs.clone();
-            set(now.model(), wanted, &mut inputs)?;
-            self.now().set_inputs(&inputs);
-        }
-        let until = self.now().snapshot().time + duration;
-        self.advance(py, until)
+            set(now.model(), wanted, &mut inputs).map(|()| inputs)
+        });
+        self.go(py, inputs.transpose()?, |begin| begin + duration)
     }
 
     /// Puts it elsewhere: coordinates, velocities, inputs by name, a time.
@@ -137,6 +148,7 @@ impl Simulator {
     ) -> PyResult<()> {
         let here = self.now().clone();
         let mut next = here.snapshot().clone();
+        let is_moved = q.is_some() || v.is_some();
         for (name, given, own) in [("q", q, &mut next.state.position), ("v", v, &mut next.state.velocity)] {
             let Some(given) = given else { continue };
             if given.len() != own.len() || given.iter().any(|x| !x.is_finite()) {
@@ -154,6 +166,10 @@ impl Simulator {
                 return Err(PyValueError::new_err(format!("`time` is {time}, allowed: a finite number ≥ 0")));
             }
             (next.time, next.resume) = (time, None);
+        }
+        // Drives are somewhere else later: there the state stands as it is.
+        if is_moved && next.time == 0.0 {
+            next.state = closed(here.model(), next.state)?;
         }
         self.now().place(next).map_err(of_another)
     }

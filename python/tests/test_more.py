@@ -236,3 +236,46 @@ def test_stubs_name_what_there_is():
         if isinstance(thing, type) and not issubclass(thing, BaseException):
             public = {attribute for attribute in vars(thing) if not attribute.startswith("_")}
             assert public == {method for method in stubs[name] if not method.startswith("_")}, name
+
+
+DRIVEN = {
+    "simulate": {"start": "given", "duration": 3.0, "tolerance": 1e-10},
+    "body": [
+        {"name": "cart", "mass": 1.0, "inertia": [1, 1, 1], "hinge": {"type": "prismatic", "axis": [1, 0, 0]}},
+        {
+            "name": "bob",
+            "mass": 1.0,
+            "center": [0, 0, -0.5],
+            "inertia": [0.1, 0.1, 0.1],
+            "hinge": {"type": "revolute", "parent": "cart", "axis": [0, 1, 0]},
+        },
+    ],
+    "drive": [{"hinge": "cart", "type": "sine", "amplitude": 0.2, "frequency": 1.3}],
+}
+
+
+def test_a_start_keeps_what_no_drive_decides():
+    """The cart is where its drive has it, as fast as that; the bob hangs as it was told to, at the rate that it was told."""
+    scene = stillpoint.describe(DRIVEN)
+    speed = 0.2 * 2 * math.pi * 1.3
+    for cart, angle, rate in [(0.0, 0.3, 0.0), (0.5, 0.3, 0.0), (0.0, -0.7, 1.5)]:
+        run = scene.run(0.1, start=([cart, angle], [0.0, rate]))
+        assert np.allclose(run.q[0], [0.0, angle], atol=1e-12)
+        assert np.allclose(run.v[0], [speed, rate], atol=1e-9)
+        simulator = scene.simulator()
+        simulator.set(q=[cart, angle], v=[0.0, rate])
+        assert np.allclose(simulator.v, [speed, rate], atol=1e-9)
+    with pytest.raises(ValueError):
+        scene.run(0.1, start=([0.0, math.nan], [0.0, 0.0]))
+
+
+def test_what_an_import_lost_is_in_the_warnings(tmp_path):
+    (tmp_path / "two.xml").write_text(
+        '<mujoco><worldbody><body pos="0 0 1"><joint name="j" axis="0 1 0"/><geom type="box" size=".1 .2 .3" pos=".2 .1 0"/>'
+        '<body pos=".4 0 0"><joint name="k" axis="1 0 1"/><geom size=".1" pos="0 .2 .1"/></body></body></worldbody>'
+        '<tendon><fixed name="t" stiffness="3"><joint joint="j" coef="1"/><joint joint="k" coef="-2"/></fixed></tendon></mujoco>'
+    )
+    (tmp_path / "scene.toml").write_text('model = "two.xml"\n')
+    warnings = stillpoint.load(tmp_path / "scene.toml").warnings
+    assert "1 ignored" in warnings and "tendon" in warnings
+    assert stillpoint.describe(SLIDER).warnings == ""

@@ -60,6 +60,8 @@ pub(super) fn svg(
         draw(&root)?;
         root.present()?;
     }
+    // XML has no other letters below the space, and names may have any.
+    text.retain(|letter| letter >= ' ' || matches!(letter, '\t' | '\n' | '\r'));
     // As large as it is meant; the points stay.
     let edges = |width: u32, height: u32| format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&edges(px(size.0), px(size.1)), &edges(size.0, size.1), 1))

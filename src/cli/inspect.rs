@@ -48,8 +48,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &at);
     let light = conditioning::ill_conditioned(&model);
+    let left_out = left_out(&model);
     if !common.quiet {
         conditioning::warn(&scenario.name, &light);
+        if !left_out.is_empty() {
+            let what = left_out.join(" and ");
+            output::warning(&format!(
+                "{}: accelerations and outputs are those without {what}; the first sample of `run` has them with it",
+                scenario.name
+            ));
+        }
     }
     if common.json {
         // What a model calls its joints; hinges go by the names of bodies.
@@ -73,6 +81,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "velocities": json::by_hinge(&model, v, false),
             "ill_conditioned": light.iter().map(conditioning::Light::json).collect::<Vec<_>>(),
             "accelerations": json::by_hinge(&model, &accelerations, false),
+            "left_out": left_out,
             "outputs": json::outputs(&model, &asked),
         });
         output::print(&result.to_string())?;
@@ -152,4 +161,10 @@ fn table(model: &Model, accelerations: &[f64]) -> String {
         format!("  {}", cells.join("  ")).trim_end().to_owned()
     };
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What acts in a run and not here.
+fn left_out(model: &Model) -> Vec<&'static str> {
+    let parts = [(!model.hinge_friction.is_empty(), "dry friction of hinges"), (!model.contacts.is_empty(), "contact")];
+    parts.into_iter().filter(|(acts, _)| *acts).map(|(_, what)| what).collect()
 }

@@ -50,6 +50,22 @@ pub fn assemble(model: Arc<Model>) -> Result<(Arc<Model>, Assembly), Vec<Problem
     Ok((Arc::new(model), assembly))
 }
 
+/// A state at time 0 that loops, drives and gears of an assembled model agree with, nearest to the one given, as [`assemble`] takes that
+/// of a file: what is driven gives way first.
+///
+/// # Errors
+/// As [`assemble`].
+///
+/// # Panics
+/// If the numbers are not as many as the model has.
+pub fn closed(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Vec<Problem>> {
+    if !model.is_constrained() {
+        return Ok((position.to_vec(), velocity.to_vec()));
+    }
+    let (model, _) = assemble(Arc::clone(model).starting_in(position, velocity))?;
+    Ok((model.start_position.clone(), model.start_velocity.clone()))
+}
+
 /// Closes the loops of a model that nobody shares yet.
 fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     freeze_frames(model);

@@ -51,7 +51,7 @@ use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use crate::transfer::reduce::parts;
-pub use assembly::{Assembly, assemble};
+pub use assembly::{Assembly, assemble, closed};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;

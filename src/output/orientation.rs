@@ -1,4 +1,7 @@
 //! Orientation of a body as a unit quaternion w, x, y, z: `δp = ½ (0, δθ) p`, with δθ in inertial axes.
+//!
+//! Of the two that stand for a turn it is the one with `w ≥ 0`, so that it is near (1, 0, 0, 0) for small turns, whatever the axes of
+//! hinges. It changes its sign where a turn passes through half of a whole one.
 
 use super::question::{At, Measure, Variation};
 use crate::model::output::OrientationQuantity;
@@ -7,7 +10,9 @@ use nalgebra::Quaternion;
 impl OrientationQuantity {
     fn quaternion(&self, at: &At<'_>) -> Quaternion<f64> {
         let body = &at.balanced.system().model().bodies[self.body];
-        at.balanced.motion().body_pose(body).rotation.into_inner()
+        let turn = at.balanced.motion().body_pose(body).rotation.into_inner();
+        let first = [turn.w, turn.i, turn.j, turn.k].into_iter().find(|part| *part != 0.0);
+        if first.is_some_and(|part| part < 0.0) { -turn } else { turn }
     }
 }
 

@@ -84,7 +84,7 @@ pub(super) fn check(document: &DeTable<'_>, numbers: &Numbers, findings: &Findin
         }
     }
     check_lengths(&lengths, findings);
-    check_stages(document, findings);
+    check_stages(document, numbers, findings);
 }
 
 /// The tables of a list such as `[[body]]`.
@@ -211,7 +211,7 @@ fn check_sag((span, stiffness): &Written, weight: f64, longest: f64, findings: &
 }
 
 /// What waits for a time after the end of the run.
-fn check_stages(document: &DeTable<'_>, findings: &Findings) {
+fn check_stages(document: &DeTable<'_>, numbers: &Numbers, findings: &Findings) {
     let one = |place: Place<'_>| -> Option<f64> {
         let mut all = Vec::new();
         collect(place, &mut all);
@@ -222,7 +222,7 @@ fn check_stages(document: &DeTable<'_>, findings: &Findings) {
         let Some((place, time)) = exactly(stage, "when.time").and_then(|place| Some((place, one(place)?))) else {
             continue;
         };
-        if time > duration {
+        if time > duration && !numbers.is_text(&place.span()) {
             let message = format!("the stage comes at {time} s, after the end of the run at {duration} s");
             findings
                 .push(Finding::warning(place.span(), message).help("a longer `duration` in `[simulate]` reaches it"));

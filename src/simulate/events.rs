@@ -32,6 +32,7 @@ use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
 use std::sync::Arc;
+use watched::Jump;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.
 const TIME: f64 = 1e-12;
@@ -78,6 +79,8 @@ struct Watch {
     last: [f64; 2],
     /// The same at the next one.
     next: [f64; 2],
+    /// The value where it was last found on the far side.
+    found: f64,
 }
 
 impl Watch {
@@ -141,6 +144,8 @@ pub(super) struct Events {
     watches: Vec<Watch>,
     /// The velocity coordinate of each event that watches a position.
     velocities: Vec<usize>,
+    /// How the number of each event may jump.
+    jumps: Vec<Jump>,
     /// Absolute tolerance of the run.
     tolerance: f64,
     pub(super) happened: Vec<Occurrence>,
@@ -170,6 +175,7 @@ impl Events {
             Watched::Point(..) | Watched::Output(_) => 0,
         };
         let velocities = model.events.iter().map(|event| velocity(&event.of)).collect();
+        let jumps = model.events.iter().map(|event| Jump::of(model, &event.of)).collect();
         let state = start.clone();
         let watched = model.events.iter().any(|event| matches!(event.of, Watched::Output(_)));
         let outputs = StateOutputs::new(model).filter(|_| watched);
@@ -177,6 +183,7 @@ impl Events {
             search,
             watches: Vec::new(),
             velocities,
+            jumps,
             tolerance,
             happened: Vec::new(),
             accelerations: vec![0.0; state.velocity.len()],
@@ -255,7 +262,7 @@ impl Events {
                 Function::End(end) => motion.still(model.curve_ends[end].velocity),
                 _ => f64::INFINITY,
             };
-            self.watches.push(Watch { function, positive, band, still, last, next: last });
+            self.watches.push(Watch { function, positive, band, still, last, next: last, found: 0.0 });
         }
     }
 
@@ -411,6 +418,7 @@ impl Events {
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
         self.move_to(motion, stepper, time)?;
+        self.watches[index].found = self.value(motion, function, time);
         Ok(Some(time))
     }
 
@@ -449,7 +457,10 @@ impl Events {
 
     /// Whether a change of sign of an event of the model goes the way that counts.
     fn counts(&self, model: &Model, index: usize) -> bool {
-        let Watch { function: Function::User(event), positive, .. } = self.watches[index] else { return false };
+        let Watch { function: Function::User(event), positive, found, .. } = self.watches[index] else { return false };
+        if self.jumps[event].is_made(found) {
+            return false;
+        }
         match model.events[event].direction {
             Direction::Up => !positive,
             Direction::Down => positive,

@@ -165,7 +165,7 @@ fn a_stage_after_the_end_is_told() {
         )
     };
     let late = warnings(&scene(2.5));
-    assert!(late.contains("after the end of the run at 2 s") && late.contains("scene.toml:9:"), "{late}");
+    assert!(late.contains("after the end of the run at 2 s") && late.contains("scene.toml:10:"), "{late}");
     assert_eq!(warnings(&scene(1.5)), "");
 }
 

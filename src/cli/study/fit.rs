@@ -103,7 +103,10 @@ fn refused(problems: &crate::scenario::Diagnostics) -> Exit {
 fn read(path: &Path) -> anyhow::Result<Table> {
     let text = text_file::read(path, "table of measurements")?;
     let context = |why: String| anyhow!("{}: {why}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let headings: Vec<String> =
         reader.headers().map_err(|why| context(why.to_string()))?.iter().map(str::to_owned).collect();
     let mut columns: Vec<(String, Vec<f64>)> = headings.into_iter().map(|name| (name, Vec::new())).collect();

@@ -5,8 +5,45 @@ use super::super::problem::Motion;
 use super::super::state::State;
 use super::{Events, Function};
 use crate::dynamics::applied::{Rubbing, rate_of};
-use crate::model::Watched;
+use crate::model::{Model, Quantity, Watched};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
+
+/// How the number of an event of the model may jump as a scene moves on smoothly: no crossing of the value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Jump {
+    /// It does not, or what jumps is meant.
+    None,
+    /// An angle about an axis, by a turn.
+    Turn,
+    /// A quaternion, to its negative.
+    Sign,
+}
+
+/// A number that is this far (rad, 1) beyond its value where it was found to have passed it has jumped across.
+const ACROSS: f64 = 1e-3;
+
+impl Jump {
+    pub(super) fn of(model: &Model, watched: &Watched) -> Self {
+        let Watched::Output(number) = watched else { return Self::None };
+        match model.outputs.iter().find(|output| output.range().contains(number)).map(|output| &output.quantity) {
+            Some(Quantity::Angle(angle)) if angle.about.is_some() => Self::Turn,
+            Some(Quantity::Orientation(_)) => Self::Sign,
+            _ => Self::None,
+        }
+    }
+
+    /// Whether a number has come across by a jump that it is this far beyond.
+    pub(super) fn is_made(self, beyond: f64) -> bool {
+        self != Self::None && beyond.abs() > ACROSS
+    }
+
+    /// A number less the value of its event; of angles the nearest of all turns, so that the jump is half a turn from the value.
+    fn less(self, number: f64, value: f64) -> f64 {
+        let less = number - value;
+        if self == Self::Turn && value.abs() <= PI { less - TAU * (less / TAU).round() } else { less }
+    }
+}
 
 impl Events {
     /// Looks what accelerations are at the state, and what holds.
@@ -97,14 +134,14 @@ impl Events {
                 self.along(motion, index, velocity) - rest
             }
             Function::Breakaway(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
-            Function::User(event) => {
-                let event = &model.events[event];
+            Function::User(index) => {
+                let event = &model.events[index];
                 let number = match &event.of {
-                    Watched::Position(index) => position[*index],
+                    Watched::Position(place) => position[*place],
                     Watched::Point(end, axis) => motion.point(time, end, &self.state).dot(axis),
                     Watched::Output(number) => self.output(motion, time, *number)[0],
                 };
-                number - event.value
+                self.jumps[index].less(number, event.value)
             }
             Function::Law(boundary) => motion.switch(time, boundary, &self.state).value,
         }

@@ -1,6 +1,7 @@
 //! Scenes at the edges: ends that cancel to zero, what nothing but contact holds, beams whose tips are on their cones.
 
 use super::Bench;
+use std::f64::consts::PI;
 
 /// Two loops hold a body to the ground where the world has its origin, so that their ends are apart by what rounding leaves of zero.
 #[test]
@@ -80,10 +81,11 @@ fn stages_at_the_start_are_booked_and_stages_that_never_come_are_named() {
              hinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = {speed:?} }}\n"
         )
     };
-    let scene = slide("stopped", 2.0, 3.0)
+    let settings = "gravity = [0, 0, 0]\nsimulate = { start = \"given\", duration = 1.0 }\n".to_owned();
+    let scene = settings
+        + &slide("stopped", 2.0, 3.0)
         + &slide("runs", 1.0, 4.0)
-        + "gravity = [0, 0, 0]\nsimulate = { start = \"given\", duration = 1.0 }\n\
-           [[event]]\nname = \"far\"\nhinge = \"runs\"\nvalue = 100.0\n\
+        + "[[event]]\nname = \"far\"\nhinge = \"runs\"\nvalue = 100.0\n\
            [[stage]]\nname = \"brake\"\nwhen = { time = 0.0 }\nlock = [\"stopped\"]\n\
            [[stage]]\nname = \"end\"\nwhen = { event = \"far\" }\nlock = [\"runs\"]\n";
     bench.write("scene.toml", &scene);
@@ -114,4 +116,71 @@ fn what_can_never_touch_is_said_by_check() {
     assert!(told.err.contains("`lid` is a half space as well") && told.err.contains("planes.toml"), "{told:?}");
     bench.write("box.toml", &scene("box = [1, 1, 1]"));
     bench.call(&["check", "box.toml"]).code(0);
+}
+
+/// A small turn has a quaternion near (1, 0, 0, 0) on both sides of none, whatever the axis of its hinge.
+#[test]
+fn small_turns_have_quaternions_near_one() {
+    let bench = Bench::new();
+    for axis in ["[0, 1, 0]", "[0, -1, 0]", "[1, 0, 0]", "[0, 0, 1]", "[1, 2, -3]"] {
+        for angle in [-0.2_f64, 0.0, 0.2] {
+            bench.write(
+                "scene.toml",
+                &format!(
+                    "[[body]]\nname = \"rod\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+                     hinge = {{ type = \"revolute\", axis = {axis}, position = {angle:?} }}\n\
+                     [[output]]\nname = \"turn\"\ntype = \"orientation\"\nof = \"rod\"\n"
+                ),
+            );
+            let told = bench.call(&["inspect", "scene.toml", "--json"]).code(0).json();
+            let turn: Vec<f64> = told["outputs"]["turn"].as_array().expect("four numbers").iter().map(|x| x.as_f64().expect("a number")).collect();
+            let axis: Vec<f64> = serde_json::from_str::<Vec<f64>>(axis).expect("an axis");
+            let along: f64 = turn[1..].iter().zip(&axis).map(|(x, a)| x * a).sum();
+            let size = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+            assert!((turn[0] - (0.5 * angle).cos()).abs() < 1e-15, "{axis:?} {angle} {turn:?}");
+            assert!((along / size - (0.5 * angle).sin()).abs() < 1e-15, "{axis:?} {angle} {turn:?}");
+        }
+    }
+}
+
+/// An angle about an axis jumps by a turn half a turn from zero: that is no crossing of zero, and values near half a turn are crossed once.
+#[test]
+fn an_angle_crosses_its_value_and_not_where_it_jumps() {
+    let bench = Bench::new();
+    for (value, turned) in [(0.0, 2.0 * PI - 0.5), (3.1, 3.1 - 0.5), (-3.1, 2.0 * PI - 3.1 - 0.5), (1.0, 0.5)] {
+        bench.write(
+            "scene.toml",
+            &format!(
+                "gravity = [0, 0, 0]\nsimulate = {{ start = \"given\", duration = 1.0 }}\n\
+                 [[body]]\nname = \"rotor\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+                 hinge = {{ type = \"revolute\", axis = [0, 0, 1], position = 0.5, velocity = 10.0 }}\n\
+                 [[output]]\nname = \"heading\"\ntype = \"angle\"\nabout = [0, 0, 1]\n\
+                 of = {{ body = \"rotor\", axis = [1, 0, 0] }}\nagainst = {{ body = \"ground\", axis = [1, 0, 0] }}\n\
+                 [[event]]\nname = \"there\"\noutput = \"heading\"\nvalue = {value:?}\naction = \"stop\"\n"
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        assert_eq!(told["stopped_by"], "there");
+        let time = told["end_time"].as_f64().expect("a time");
+        assert!((time - turned / 10.0).abs() < 1e-9, "{value}: {time} for {}", turned / 10.0);
+    }
+}
+
+/// `inspect` says what it leaves out of its accelerations.
+#[test]
+fn inspect_says_that_it_knows_no_friction_and_no_contact() {
+    let bench = Bench::new();
+    let slide = |friction: &str| {
+        format!(
+            "[[body]]\nname = \"slide\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+             hinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = 1.0{friction} }}\n"
+        )
+    };
+    bench.write("rubs.toml", slide(", friction = 5.0"));
+    let told = bench.call(&["inspect", "rubs.toml", "--json"]).code(0);
+    assert!(told.err.contains("without dry friction of hinges"), "{told:?}");
+    assert_eq!(told.json()["left_out"], serde_json::json!(["dry friction of hinges"]));
+    bench.write("free.toml", slide(""));
+    let told = bench.call(&["inspect", "free.toml", "--json"]).code(0);
+    assert_eq!((told.err.as_str(), &told.json()["left_out"]), ("", &serde_json::json!([])));
 }
