@@ -1,5 +1,7 @@
 //! Models of MuJoCo: they move as MuJoCo moves them, and nothing of them is lost in silence.
 
+mod actuator_defaults;
+mod aligned;
 mod attached;
 mod compare;
 mod contacts;

@@ -6,121 +6,13 @@ use super::super::xml::Element;
 use super::defaults::{ACTUATORS, Settled};
 use super::inertia;
 use super::key::Key;
+use super::law::{Dynamics, Law};
 use super::lower::Output;
 use super::model::{Instance, Model};
 use super::scene::{Acts, Part, Scene, find};
 use super::servo;
-use super::settings::choice;
 use super::tendon::{Path, Tendons};
 use nalgebra::Vector3;
-
-/// `force = gain · input + bias₀ + bias₁ · length + bias₂ · rate`, with the input `ctrl` or an activation.
-#[derive(Debug, Clone)]
-struct Law {
-    gain: [f64; 3],
-    bias: [f64; 3],
-    affine_gain: bool,
-    affine_bias: bool,
-    dynamics: Dynamics,
-    damp_ratio: f64,
-    /// What it is, where it has no equal here.
-    unknown: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Dynamics {
-    None,
-    /// The activation is the integral of the control.
-    Integrator,
-    /// The activation follows the control.
-    Filter,
-}
-
-impl Default for Law {
-    fn default() -> Self {
-        Self {
-            gain: [1.0, 0.0, 0.0],
-            bias: [0.0; 3],
-            affine_gain: false,
-            affine_bias: false,
-            dynamics: Dynamics::None,
-            damp_ratio: 0.0,
-            unknown: None,
-        }
-    }
-}
-
-impl Law {
-    /// What the element and its defaults say, one after the other.
-    fn read(settled: &Settled<'_>) -> Self {
-        let mut law = Self::default();
-        settled.layers().for_each(|element| law.apply(element));
-        law
-    }
-
-    fn apply(&mut self, element: &Element<'_>) {
-        let list = |key: &str, list: &mut [f64; 3]| {
-            let numbers = element.attribute(key).and_then(|attribute| attribute.numbers());
-            numbers.into_iter().flatten().zip(list.iter_mut()).for_each(|(number, into)| *into = number);
-        };
-        self.unknown = None;
-        match element.name() {
-            "general" => {
-                list("gainprm", &mut self.gain);
-                list("biasprm", &mut self.bias);
-                for key in ["gaintype", "biastype", "dyntype"] {
-                    self.typed(element, key);
-                }
-            }
-            "motor" => *self = Self::default(),
-            "position" | "intvelocity" => {
-                let servo = self.affine_bias && self.gain[0] == -self.bias[1];
-                let [kp, kv] = if servo { [self.gain[0], -self.bias[2]] } else { [1.0, 0.0] };
-                let kp = element.number("kp").unwrap_or(kp);
-                let kv = element.number("kv").unwrap_or(kv);
-                let dampratio = element.number("dampratio").unwrap_or(self.damp_ratio);
-                let filtered = element.number("timeconst").is_some_and(|time| time > 0.0);
-                let dynamics = match element.name() {
-                    "intvelocity" => Dynamics::Integrator,
-                    _ if filtered => Dynamics::Filter,
-                    _ => self.dynamics,
-                };
-                *self = Self { gain: [kp, 0.0, 0.0], bias: [0.0, -kp, -kv], affine_bias: true, ..Self::default() };
-                (self.damp_ratio, self.dynamics) = (dampratio, dynamics);
-            }
-            "velocity" => {
-                let servo = self.affine_bias && self.gain[0] == -self.bias[2] && self.bias[1] == 0.0;
-                let kv = element.number("kv").unwrap_or(if servo { self.gain[0] } else { 1.0 });
-                *self = Self { gain: [kv, 0.0, 0.0], bias: [0.0, 0.0, -kv], affine_bias: true, ..Self::default() };
-            }
-            "damper" => {
-                let kv = element.number("kv").unwrap_or(1.0);
-                *self = Self { gain: [0.0, 0.0, -kv], affine_gain: true, ..Self::default() };
-            }
-            other => self.unknown = Some(format!("a {other} has no equal here")),
-        }
-    }
-
-    fn typed(&mut self, element: &Element<'_>, key: &str) {
-        let Some(attribute) = element.attribute(key) else { return };
-        match (key, attribute.value) {
-            ("gaintype", "fixed") => self.affine_gain = false,
-            ("gaintype", "affine") => self.affine_gain = true,
-            ("biastype", "none") => self.affine_bias = false,
-            ("biastype", "affine") => self.affine_bias = true,
-            ("dyntype", "none") => self.dynamics = Dynamics::None,
-            ("dyntype", "integrator") => self.dynamics = Dynamics::Integrator,
-            ("dyntype", "filter" | "filterexact") => self.dynamics = Dynamics::Filter,
-            (_, "muscle" | "user" | "dcmotor" | "pid" | "so3") => {
-                self.unknown = Some(format!("`{key} = \"{}\"` has no equal here", attribute.value));
-            }
-            _ => {
-                let words = ["none", "fixed", "affine", "integrator", "filter", "filterexact", "muscle", "user", "pid"];
-                choice(&attribute, &words);
-            }
-        }
-    }
-}
 
 /// Reads all actuators: what they do is in the hinges and forces then.
 pub(super) fn read<'a>(models: &[Model<'a>], scene: &mut Scene<'a>, tendons: &Tendons, key: &Key, output: &mut Output) {
@@ -145,7 +37,7 @@ pub(super) fn read<'a>(models: &[Model<'a>], scene: &mut Scene<'a>, tendons: &Te
             let law = Law::read(&settled);
             let counts = if key.is_of(place) { own } else { whole };
             let start = key.is_for(place).then(|| [key.control(counts[0]), key.activation(counts[1])]);
-            let step = [1, usize::from(law.dynamics != Dynamics::None)];
+            let step = [1, usize::from(law.is_activated())];
             let there = is_attached(&settled, scene, tendons);
             for (count, step) in own.iter_mut().zip(step).chain(whole.iter_mut().zip(step).filter(|_| there)) {
                 *count += step;
@@ -173,7 +65,7 @@ fn is_attached(settled: &Settled<'_>, scene: &Scene<'_>, tendons: &Tendons) -> b
 /// An actuator with its control and its activation at the start.
 fn one<'a>(
     settled: &Settled<'a>,
-    law: &Law,
+    law: &Law<'a>,
     [control, activation]: [f64; 2],
     scene: &mut Scene<'a>,
     tendons: &Tendons,
@@ -183,7 +75,7 @@ fn one<'a>(
     element.text("name");
     let group = settled.number("group").unwrap_or(0.0);
     let idle = scene.settings.idle_groups.contains(&group);
-    let why = match &law.unknown {
+    let why = match law.unknown() {
         _ if !scene.settings.actuation => Some("actuation is switched off in `<option>`".to_owned()),
         Some(what) if !idle => Some(format!("{what}: nothing acts")),
         _ => None,
@@ -198,12 +90,11 @@ fn one<'a>(
         let what =
             format!("`actuatorgroupdisable` switches its group {group} off: no more acts than `forcerange` asks for");
         element.note(Taken::Used, what);
-        let nothing = Law { gain: [0.0; 3], ..Law::default() };
-        act(settled, &nothing, 0.0, scene, tendons, output);
+        act(settled, &Law::nothing(), 0.0, scene, tendons, output);
         return;
     }
     let control = clamped(settled, control, scene);
-    let input = match law.dynamics {
+    let input = match law.dynamics() {
         Dynamics::Integrator => {
             if control != 0.0 {
                 let what = format!("its set point stays at {activation}, although `ctrl` moves it");
@@ -250,7 +141,9 @@ fn gear(settled: &Settled<'_>) -> Vec<f64> {
 
 /// The control within its range.
 fn clamped(settled: &Settled<'_>, control: f64, scene: &Scene<'_>) -> f64 {
+    // A damper is always limited, whatever is said.
     let limited = settled.limited("ctrllimited", "ctrlrange", scene.settings.autolimits);
+    let limited = limited || settled.element.name() == "damper";
     match settled.vector::<2>("ctrlrange").filter(|[low, high]| limited && scene.settings.clamp_control && low <= high)
     {
         Some([low, high]) => control.clamp(low, high),
@@ -278,20 +171,19 @@ pub(super) const TRANSMISSION: [&str; 14] = [
 
 fn act<'a>(
     settled: &Settled<'a>,
-    law: &Law,
+    law: &Law<'a>,
     input: f64,
     scene: &mut Scene<'a>,
     tendons: &Tendons,
     output: &mut Output,
 ) {
     let element = settled.element;
-    let bias = if law.affine_bias { law.bias } else { [0.0; 3] };
-    let gain = if law.affine_gain { law.gain } else { [law.gain[0], 0.0, 0.0] };
-    let mut acts =
-        Acts { constant: gain[0] * input + bias[0], slope: gain[1] * input + bias[1], rate: gain[2] * input + bias[2] };
-    if law.damp_ratio > 0.0 && acts.slope < 0.0 {
-        acts.rate = damped(settled, law.damp_ratio, acts.slope, scene, tendons);
+    let mut law = *law;
+    if let Some(ratio) = law.damp_ratio() {
+        law.bias[2] = if law.bias[1] < 0.0 { damped(settled, ratio, law.bias[1], scene, tendons) } else { 0.0 };
     }
+    let [constant, slope, rate] = law.at(input);
+    let mut acts = Acts { constant, slope, rate };
     let nothing = [acts.constant, acts.slope, acts.rate] == [0.0; 3];
     let limited = settled.limited("forcelimited", "forcerange", scene.settings.autolimits);
     let bounds = settled.vector::<2>("forcerange").filter(|[low, high]| limited && low <= high);

@@ -13,7 +13,7 @@ use super::settings::FromGeoms;
 use super::touch::Touch;
 use crate::model::description::{GROUND, MassProperties};
 use crate::model::problem::number;
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// The most elements that `<replicate>` may make.
 const MOST_COPIES: usize = 100_000;
@@ -85,7 +85,11 @@ pub(super) struct Around {
 #[derive(Default)]
 pub(super) struct Parts {
     inertial: Option<MassProperties>,
+    /// Principal axes of `inertial`.
+    axes: UnitQuaternion<f64>,
     geoms: Vec<MassProperties>,
+    /// Principal axes of those geoms that have mass.
+    turns: Vec<UnitQuaternion<f64>>,
     /// Why the mass of a geom is not known.
     unknown: Option<String>,
 }
@@ -117,6 +121,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             pose,
             joints: Vec::new(),
             mass: mass::NOTHING,
+            principal: Isometry3::identity(),
             shapes: Vec::new(),
             gravity_compensation: 0.0,
         });
@@ -162,7 +167,9 @@ impl<'w, 'a> Walk<'w, 'a> {
                 "site" => self.site(&child, around),
                 "inertial" if around.body != WORLD => {
                     let settled = Settled::bare(&child);
-                    parts.inertial = mass::inertial(&settled, &self.scene.settings, &around.frame);
+                    let found = mass::inertial(&settled, &self.scene.settings, &around.frame);
+                    parts.inertial = found.map(|(mass, _)| mass);
+                    parts.axes = found.map(|(_, axes)| axes).unwrap_or_default();
                 }
                 // Others are noted with everything else that nobody reads.
                 _ => {}
@@ -265,6 +272,12 @@ impl<'w, 'a> Walk<'w, 'a> {
             element.refuse(Problem::at(element.place(), message).help(help));
         }
         let given = mass::of_body(parts.inertial, &parts.geoms, settings);
+        let axes = match parts.turns[..] {
+            _ if parts.inertial == Some(given) => parts.axes,
+            // One geom alone keeps its axes.
+            [axes] => axes,
+            _ => mass::principal(&given.inertia),
+        };
         let mut bounded = mass::bounded(given, settings);
         if bounded != given && parts.inertial.is_none() && given == mass::NOTHING {
             // As MuJoCo does: the frame of inertia that nothing gives is a copy of the body's frame in its parent.
@@ -281,6 +294,7 @@ impl<'w, 'a> Walk<'w, 'a> {
             );
             element.note(Taken::Used, what);
         }
+        self.scene.bodies[body].principal = Isometry3::from_parts(bounded.center.into(), axes);
         self.scene.bodies[body].mass = bounded;
         let given_alone = self.scene.settings.inertia_from_geoms == FromGeoms::Never;
         if given_alone && parts.inertial.is_none() && moves && !self.weighs_with_welded(body) {
@@ -317,7 +331,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         let name = self.name(element, around);
         let named = name.is_some();
         let name = name.unwrap_or_else(|| format!("joint_{}", self.scene.bodies[body].joints.len()));
-        let joint = joint::joint(&settled, &self.scene.settings, &around.frame, name.clone(), body);
+        let mut joint = joint::joint(&settled, &self.scene.settings, &around.frame, name.clone(), body);
         let others = &self.scene.bodies[body].joints;
         let alone = matches!(joint.kind, super::scene::Kind::Free);
         let free_already = others.iter().any(|other| self.scene.joints[*other].kind == super::scene::Kind::Free);
@@ -329,9 +343,15 @@ impl<'w, 'a> Walk<'w, 'a> {
             settled.refuse("only bodies of the world can have a free joint", "move the body to <worldbody>");
             return;
         }
-        if alone && settled.element.text("align").map_or(self.scene.settings.align_free, |align| align == "true") {
+        let wanted = match settled.element.text("align") {
+            Some("true") => true,
+            Some("false") => false,
+            _ => self.scene.settings.align_free,
+        };
+        if alone && wanted {
             element
                 .note(Taken::Used, "`align`: the body keeps its own axes; MuJoCo's qpos is that of the principal axes");
+            joint.aligned = true;
         }
         if named && self.scene.names.joints.insert(name.clone(), index).is_some() {
             settled.refuse(&format!("two joints are called `{name}`"), "names must be unique");
@@ -350,7 +370,10 @@ impl<'w, 'a> Walk<'w, 'a> {
             return;
         };
         match geom.mass {
-            Ok(mass) => parts.geoms.push(mass),
+            Ok(mass) => {
+                parts.turns.extend((mass.mass > 0.0).then_some(geom.axes));
+                parts.geoms.push(mass);
+            }
             Err(why) => parts.unknown = Some(why),
         }
         let shapes = &mut self.scene.bodies[around.body].shapes;

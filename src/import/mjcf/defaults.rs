@@ -95,7 +95,7 @@ impl<'a> Defaults<'a> {
     pub(super) fn under(&self, element: &Element<'a>, tag: &str, around: Option<usize>) -> Settled<'a> {
         element.see();
         let own = element.attribute("class").and_then(|class| self.class(&class));
-        let mut behind = Vec::new();
+        let (mut behind, mut counts) = (Vec::new(), Vec::new());
         let mut class = own.or(around).or((!self.classes.is_empty()).then_some(MAIN)).map(|class| (class, usize::MAX));
         while let Some((index, inherited)) = class {
             let alike = |other: &&Element<'a>| {
@@ -104,9 +104,10 @@ impl<'a> Defaults<'a> {
             let elements = &self.classes[index].elements;
             let there = &elements[..inherited.min(elements.len())];
             behind.extend(there.iter().rev().filter(alike).copied());
+            counts.push(behind.len());
             class = self.classes[index].parent;
         }
-        Settled { element: *element, behind }
+        Settled { element: *element, behind, counts }
     }
 }
 
@@ -115,18 +116,27 @@ impl<'a> Defaults<'a> {
 pub(super) struct Settled<'a> {
     pub(super) element: Element<'a>,
     behind: Vec<Element<'a>>,
+    /// How many of these the classes have, each counted with the nearer ones.
+    counts: Vec<usize>,
 }
 
 impl<'a> Settled<'a> {
+    /// What each class says itself, the outermost class first, its elements in the order of the text.
+    pub(super) fn classes(&self) -> impl Iterator<Item = impl Iterator<Item = &Element<'a>>> {
+        let starts = [0].into_iter().chain(self.counts.iter().copied());
+        let spans: Vec<(usize, usize)> = starts.zip(self.counts.iter().copied()).collect();
+        spans.into_iter().rev().map(|(start, end)| self.behind[start..end].iter().rev())
+    }
+
     /// The element and what stands behind it, the farthest first: each says more than the one before.
-    pub(super) fn layers(&self) -> impl Iterator<Item = &Element<'a>> {
+    fn layers(&self) -> impl Iterator<Item = &Element<'a>> {
         self.behind.iter().rev().chain([&self.element])
     }
 
     /// An element that has no classes.
     pub(super) fn bare(element: &Element<'a>) -> Self {
         element.see();
-        Self { element: *element, behind: Vec::new() }
+        Self { element: *element, behind: Vec::new(), counts: Vec::new() }
     }
 
     /// An attribute, from the element or from the nearest class that has it.

@@ -10,7 +10,7 @@ use super::settings::{Settings, choice};
 use super::weigh::Weight;
 use crate::model::description::MassProperties;
 use crate::model::shape::{Geometry, Shape};
-use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
 /// What a geom is without further words, in kg/m³.
@@ -28,6 +28,8 @@ pub(super) struct Geom {
     pub(super) touching: Result<(), String>,
     /// Body axes; or why it is not known.
     pub(super) mass: Result<MassProperties, String>,
+    /// Its principal axes as MuJoCo has them, body axes.
+    pub(super) axes: UnitQuaternion<f64>,
 }
 
 /// Reads a geom; `frame` stands between the body and the geom, `counts` tells whether it is part of
@@ -59,7 +61,7 @@ pub(super) fn geom(
     let (drawn, unit) = match kind {
         "plane" if settings.contacts => {
             let drawn = draw(Solid::Numbers("plane", vec![0.0, 0.0, 1.0]), pose);
-            return Some(Geom { drawn, touching, mass: Ok(mass::NOTHING) });
+            return Some(Geom { drawn, touching, mass: Ok(mass::NOTHING), axes: pose.rotation });
         }
         "plane" | "hfield" | "sdf" => {
             let what = match kind {
@@ -73,7 +75,7 @@ pub(super) fn geom(
             // Only what does not move can have planes and height fields.
             let unknown = kind == "sdf" && weighs;
             let mass = if unknown { Err(what.to_owned()) } else { Ok(mass::NOTHING) };
-            return Some(Geom { drawn: None, touching, mass });
+            return Some(Geom { drawn: None, touching, mass, axes: pose.rotation });
         }
         "mesh" => {
             let name = settled.attribute("mesh").or_else(|| element.required("mesh"))?;
@@ -105,13 +107,21 @@ pub(super) fn geom(
             (Some((solid, pose)), Ok(unit))
         }
     };
+    let axes = pose.rotation * own_axes(kind, &unit);
     let mass = match unit {
         Ok(unit) if weighs => Ok(mass::placed(&weight(settled, &unit)?, &pose)),
-        Ok(_) => Ok(mass::NOTHING),
-        Err(why) => Err(why),
+        unit => unit.map(|_| mass::NOTHING),
     };
     let drawn = drawn.and_then(|(solid, pose)| draw(solid, pose));
-    Some(Geom { drawn, touching, mass })
+    Some(Geom { drawn, touching, mass, axes })
+}
+
+/// Principal axes in the axes of the geom: MuJoCo turns a mesh to its own.
+fn own_axes(kind: &str, unit: &Result<MassProperties, String>) -> UnitQuaternion<f64> {
+    match unit {
+        Ok(unit) if kind == "mesh" => mass::principal(&unit.inertia),
+        _ => UnitQuaternion::identity(),
+    }
 }
 
 /// What a mesh weighs with a density of one, or why that is not known; `None` if it was refused.

@@ -21,6 +21,7 @@ pub(super) fn joint<'a>(
         name,
         body,
         kind,
+        aligned: false,
         anchor: Vector3::zeros(),
         axis: Vector3::z(),
         reference: 0.0,

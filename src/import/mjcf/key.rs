@@ -4,8 +4,9 @@ use super::super::Options;
 use super::super::log::{Place, Problem, Taken};
 use super::super::xml::{Attribute, Element};
 use super::model::{Instance, Model};
-use super::scene::{Kind, Scene};
+use super::scene::{Joint, Kind, Scene};
 use crate::suggest::closest;
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// The chosen keyframe.
 #[derive(Default)]
@@ -148,6 +149,9 @@ impl Key {
             };
         }
         for Span { joint, at, rate } in spans {
+            let body = scene.joints[joint].body;
+            let alone = scene.bodies.iter().all(|other| other.parent != body);
+            let principal = scene.bodies[body].principal;
             let joint = &mut scene.joints[joint];
             let (coordinates, velocities) = joint.kind.counts();
             if let Some((list, _)) = &self.position {
@@ -162,6 +166,9 @@ impl Key {
             }
             if let Some((list, _)) = &self.velocity {
                 joint.velocity = list[rate..rate + velocities].to_vec();
+            }
+            if joint.aligned && alone {
+                unaligned(joint, &principal, self.position.is_some());
             }
         }
     }
@@ -184,6 +191,25 @@ impl Key {
             };
             attached.iter().copied().find(same)
         })
+    }
+}
+
+/// Makes coordinates and velocities of a body's principal axes, which MuJoCo's keyframe means with `align`, those of the body.
+/// Where the keyframe says no coordinates they are those of the body already.
+fn unaligned(joint: &mut Joint<'_>, principal: &Isometry3<f64>, moved: bool) {
+    let [x, y, z, w, i, j, k] = joint.start[..] else { return };
+    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+    let mut pose = Isometry3::from_parts(Translation3::new(x, y, z), turn);
+    if moved {
+        pose *= principal.inverse();
+        let q = pose.rotation;
+        joint.start = pose.translation.vector.iter().copied().chain([q.w, q.i, q.j, q.k]).collect();
+    }
+    if let [x, y, z, a, b, c] = joint.velocity[..] {
+        let spin = principal.rotation * Vector3::new(a, b, c);
+        let middle = Vector3::new(x, y, z);
+        let rate = middle - pose.rotation * spin.cross(&principal.translation.vector);
+        joint.velocity = rate.iter().chain(spin.iter()).copied().collect();
     }
 }
 

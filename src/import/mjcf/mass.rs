@@ -6,7 +6,7 @@ use super::scene::Scene;
 use super::settings::{FromGeoms, Settings};
 use crate::model::description::MassProperties;
 use crate::model::shape::combined;
-use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, SymmetricEigen, UnitQuaternion, Vector3};
 
 /// A body that weighs nothing.
 pub(super) const NOTHING: MassProperties = MassProperties {
@@ -25,8 +25,12 @@ pub(super) fn placed(mass: &MassProperties, pose: &Isometry3<f64>) -> MassProper
     }
 }
 
-/// `<inertial>`, body axes.
-pub(super) fn inertial(settled: &Settled<'_>, settings: &Settings, frame: &Isometry3<f64>) -> Option<MassProperties> {
+/// `<inertial>`, body axes, and its principal axes as MuJoCo has them.
+pub(super) fn inertial(
+    settled: &Settled<'_>,
+    settings: &Settings,
+    frame: &Isometry3<f64>,
+) -> Option<(MassProperties, UnitQuaternion<f64>)> {
     for key in ["pos", "mass"] {
         settled.element.required(key)?;
     }
@@ -51,7 +55,10 @@ pub(super) fn inertial(settled: &Settled<'_>, settings: &Settings, frame: &Isome
             return None;
         }
     };
-    Some(placed(&MassProperties { mass, center: Vector3::zeros(), inertia }, &(frame * pose)))
+    let pose = frame * pose;
+    let full = settled.element.attribute("fullinertia").is_some();
+    let axes = if full { pose.rotation * principal(&inertia) } else { pose.rotation };
+    Some((placed(&MassProperties { mass, center: Vector3::zeros(), inertia }, &pose), axes))
 }
 
 /// What a body weighs: as `<inertial>` says, or as its geoms weigh together.
@@ -68,6 +75,50 @@ pub(super) fn of_body(
         (FromGeoms::Auto, None) => together(),
         (_, given) => given.unwrap_or(NOTHING),
     }
+}
+
+/// Where MuJoCo puts the principal axes of an inertia, the largest moment first. Axes are only known up to their signs, and
+/// these are part of what a keyframe means: so they are found with MuJoCo's own steps, Jacobi's rotations of the largest
+/// product of inertia, then quarter turns that sort the moments.
+pub(super) fn principal(inertia: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    const LEAST: f64 = 1e-12;
+    const STEPS: usize = 500;
+    let about = |axis: usize, cosine: f64, sine: f64| {
+        let mut imaginary = Vector3::zeros();
+        imaginary[axis] = sine;
+        UnitQuaternion::new_normalize(Quaternion::from_parts(cosine, imaginary))
+    };
+    let (mut axes, mut moments) = (UnitQuaternion::identity(), inertia.diagonal());
+    for _ in 0..STEPS {
+        let turn = axes.to_rotation_matrix();
+        let seen = turn.transpose() * inertia * turn;
+        moments = seen.diagonal();
+        let [xy, xz, yz] = [seen[(0, 1)], seen[(0, 2)], seen[(1, 2)]].map(f64::abs);
+        let (row, column, axis) = match () {
+            () if xy > xz && xy > yz => (0, 1, 2),
+            () if xz > yz => (0, 2, 1),
+            () => (1, 2, 0),
+        };
+        let product = seen[(row, column)];
+        if product.abs() < LEAST {
+            break;
+        }
+        let tau = (moments[column] - moments[row]) / (2.0 * product);
+        let tangent = 1.0 / (tau.abs() + tau.hypot(1.0));
+        let cosine = 1.0 / tangent.hypot(1.0);
+        // The sine of half the angle, also where the cosine is 1 to round-off.
+        let half = tangent * cosine / (2.0 + 2.0 * cosine).sqrt();
+        let sine = if (tau >= 0.0) == (axis == 1) { half } else { -half };
+        axes *= about(axis, (1.0 - half * half).sqrt(), sine);
+    }
+    for lead in [0, 1, 0] {
+        if moments[lead] + LEAST < moments[lead + 1] {
+            moments.swap_rows(lead, lead + 1);
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            axes *= about((lead + 2) % 3, half, half);
+        }
+    }
+    axes
 }
 
 /// `boundmass`, `boundinertia` and `balanceinertia`: of every body, whether it has geoms or not.

@@ -21,6 +21,7 @@ mod ignored;
 mod inertia;
 mod joint;
 mod key;
+mod law;
 mod limits;
 mod lower;
 mod mass;

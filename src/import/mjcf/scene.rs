@@ -54,6 +54,8 @@ pub(super) struct Body<'a> {
     pub(super) pose: Isometry3<f64>,
     pub(super) joints: Vec<usize>,
     pub(super) mass: MassProperties,
+    /// Its principal axes in its centre of mass as MuJoCo has them, body axes.
+    pub(super) principal: Isometry3<f64>,
     pub(super) shapes: Vec<Drawn>,
     /// The part of its weight that is held up.
     pub(super) gravity_compensation: f64,
@@ -116,6 +118,8 @@ pub(super) struct Joint<'a> {
     pub(super) name: String,
     pub(super) body: usize,
     pub(super) kind: Kind,
+    /// A free joint of which MuJoCo counts coordinates from the principal axes of a body that carries no others.
+    pub(super) aligned: bool,
     /// Body axes, from the body's origin.
     pub(super) anchor: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
