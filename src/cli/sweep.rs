@@ -128,6 +128,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
     refuse_unheeded(arguments, &scenario, &set)?;
+    refuse_overlaps(arguments, &scenario, &set)?;
     let inputs = Inputs::of_scenario(common, &scenario, arguments.correlate.as_deref());
     let plan = plan(arguments)?;
     let question = Question { run: arguments.run, time_limit: arguments.time_limit.unwrap_or(f64::INFINITY) };
@@ -210,8 +211,7 @@ fn refuse_unheeded(arguments: &Arguments, scenario: &Scenario, set: &[Override])
     // The keys of a hinge may be written without `hinge.`.
     let short = |path: &str| path.replacen(".hinge.", ".", 1);
     let from_start = scenario.simulate.start == Start::Equilibrium;
-    let over = arguments.over.iter().map(|axis| (OPTION, axis.path.as_str()));
-    let paths: Vec<_> = over.chain(arguments.vary.iter().map(|one| (VARY, one.path.as_str()))).collect();
+    let paths = varied(arguments);
     for (index, (option, path)) in paths.iter().enumerate() {
         let is_same = |other: &str| short(other) == short(path);
         if paths[..index].iter().any(|(_, other)| is_same(other)) {
@@ -228,6 +228,35 @@ fn refuse_unheeded(arguments: &Arguments, scenario: &Scenario, set: &[Override])
             _ => continue,
         };
         bail!("`{option} {path}=…` changes nothing: {why}");
+    }
+    Ok(())
+}
+
+/// What is varied, and by which option.
+fn varied(arguments: &Arguments) -> Vec<(&'static str, &str)> {
+    let over = arguments.over.iter().map(|axis| (OPTION, axis.path.as_str()));
+    over.chain(arguments.vary.iter().map(|one| (VARY, one.path.as_str()))).collect()
+}
+
+/// Refuses paths of which one would undo what another sets: the rows would show values that did not act.
+fn refuse_overlaps(arguments: &Arguments, scenario: &Scenario, set: &[Override]) -> anyhow::Result<()> {
+    let varied = varied(arguments);
+    let paths: Vec<&str> = varied.iter().map(|(_, path)| *path).collect();
+    let shown = |index: usize| format!("`{} {}`", varied[index].0, varied[index].1);
+    if let Some((first, later, shared)) = scenario.overlap(set, &paths) {
+        bail!(
+            "{} and {} both vary {shared}: the one would overwrite the other; vary only one of them, or what they do not share",
+            shown(first),
+            shown(later)
+        );
+    }
+    if let Some((place, by, lost)) = scenario.lost(set, &paths) {
+        let by: Vec<String> = by.into_iter().map(shown).collect();
+        bail!(
+            "`--set {}` would be lost: all that it sets, {lost}, is varied by {}; leave out one of them",
+            set[place].path(),
+            by.join(" and ")
+        );
     }
     Ok(())
 }

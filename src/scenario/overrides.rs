@@ -15,6 +15,7 @@
 //! The value is written as in a file; what is no TOML value is taken as text, so `statics.want=any` needs no quotes.
 
 mod component;
+mod overlap;
 
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};

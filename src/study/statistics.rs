@@ -10,7 +10,8 @@
 //!
 //! β are the standardized regression coefficients, and β ± t s their confidence intervals with a quantile `t` of Student's
 //! distribution with n − k − 1 degrees of freedom. The sum of β² is R² if the inputs are independent: β² is the part of the
-//! variance that an input explains. A small R² says that the output is not linear in the inputs.
+//! variance that an input explains. Of correlated inputs none has such a part of its own: two may cancel each other, and β² of both be
+//! above 1. A small R² says that the output is not linear in the inputs.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -99,10 +100,18 @@ pub struct Regression {
     pub effects: Vec<Effect>,
     /// R²: the part of the variance that is explained.
     pub explained: f64,
+    /// The two inputs that are correlated most, and by how much, if that is more than chance: no input has a part of the variance then.
+    pub correlated: Option<(usize, usize, f64)>,
 }
 
 /// The confidence of intervals.
 pub const CONFIDENCE: f64 = 0.95;
+/// Correlations of inputs below this leave β² as good as what it is for independent ones.
+const SMALL: f64 = 0.1;
+/// Correlations are more than chance from so many of their standard deviations on: with many pairs of inputs two or three are common.
+const CHANCE: f64 = 4.0;
+/// A part of the variance that is larger than the whole by this factor is none, however few rows say so.
+const WHOLE: f64 = 1.1;
 
 impl Regression {
     /// Of the last column on those before. `None` if too few rows or none that vary say something, or if the inputs are
@@ -116,6 +125,7 @@ impl Regression {
             return None;
         }
         let of_inputs = DMatrix::from_fn(k, k, |i, j| moments.correlation(inputs[i], inputs[j]));
+        let closest = closest_pair(&of_inputs);
         let with_output = DVector::from_fn(k, |i, _| moments.correlation(inputs[i], output));
         let inverse = of_inputs.cholesky()?.inverse();
         let coefficients = &inverse * &with_output;
@@ -130,8 +140,24 @@ impl Regression {
             })
             .collect();
         effects.sort_by(|a, b| b.coefficient.abs().total_cmp(&a.coefficient.abs()));
-        Some(Self { effects, explained })
+        let is_too_much = effects.iter().any(|effect| effect.coefficient.powi(2) > WHOLE * explained);
+        let correlated = closest
+            .filter(|(.., r)| r.abs() > SMALL && (is_too_much || is_more_than_chance(*r, moments.count as f64)))
+            .map(|(i, j, r)| (inputs[i], inputs[j], r));
+        Some(Self { effects, explained, correlated })
     }
+}
+
+/// The pair that is correlated most, and by how much.
+fn closest_pair(correlations: &DMatrix<f64>) -> Option<(usize, usize, f64)> {
+    let pairs = (0..correlations.nrows()).flat_map(|j| (0..j).map(move |i| (i, j, correlations[(i, j)])));
+    pairs.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
+}
+
+/// Whether a correlation in so many rows is more than chance makes of independent columns: `artanh r` of these has a standard deviation of
+/// 1/√(n − 3) (Fisher 1921).
+fn is_more_than_chance(r: f64, rows: f64) -> bool {
+    rows > 3.0 && r.abs().min(1.0).atanh() > CHANCE / (rows - 3.0).sqrt()
 }
 
 /// Bits that one pass of [`quantiles`] settles.
@@ -237,6 +263,23 @@ mod tests {
         assert!((found.explained - 13.0 / 14.0).abs() < 0.01, "{}", found.explained);
         assert!((moments.mean(3) - 1e6).abs() < 0.1 && (moments.deviation(3) - (14.0_f64 / 12.0).sqrt()).abs() < 0.05);
         assert_eq!((moments.mean(2), moments.deviation(2), moments.varies(2)), (7.0, 0.0, false));
+    }
+
+    /// y = a + b of inputs with correlation r: β² of each is 1 / (2 + 2 r), above 1 for r < −1/2. Chance alone correlates nothing.
+    #[test]
+    fn correlated_inputs_are_told_and_chance_is_not() {
+        for (n, r, is_told) in
+            [(2000, -0.9_f64, true), (2000, 0.3, true), (2000, 0.0, false), (60, 0.0, false), (12, -0.95, true)]
+        {
+            let mut moments = Moments::new(3);
+            for row in random(2 * n).chunks(2) {
+                let b = r * row[0] + (1.0 - r * r).sqrt() * row[1];
+                moments.add(&[row[0], b, row[0] + b]);
+            }
+            let found = Regression::new(&moments).expect("enough rows");
+            let pair = found.correlated.map(|(i, j, _)| (i, j));
+            assert_eq!(pair, is_told.then_some((0, 1)), "{n} {r} {found:?}");
+        }
     }
 
     #[test]

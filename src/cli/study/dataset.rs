@@ -179,13 +179,20 @@ impl Study {
             let share = 100.0 * first.coefficient * first.coefficient;
             let explained = 100.0 * regression.explained;
             let input = &self.inputs[first.input];
-            text += &match regression.explained >= LINEAR {
-                true => format!(
+            text += &match (regression.explained >= LINEAR, regression.correlated) {
+                (true, None) => format!(
                     "  what matters most is `{input}`: {} % of the variance; a line in all inputs explains {} %\n",
                     small(share),
                     small(explained)
                 ),
-                false => format!(
+                (true, Some((one, other, by))) => format!(
+                    "  inputs are correlated (`{}` and `{}` by {by:+.2}): none has a share of the variance of its own; a line in all \
+                     inputs explains {} %\n",
+                    self.inputs[one],
+                    self.inputs[other],
+                    small(explained)
+                ),
+                (false, _) => format!(
                     "  a line in all inputs explains {} %: what matters most is not a line, and coefficients do not rank it\n",
                     small(explained)
                 ),

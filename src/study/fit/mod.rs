@@ -247,6 +247,7 @@ pub fn fit(
             return Err(Trouble::Wrong(format!("`{}` is a parameter twice", one.address)));
         }
     }
+    refuse_overlaps((scenario, set), table, &roles, question)?;
     let mut problem = Problem::new((scenario, set), table, question, &roles, &start, go_on)?;
     let ends = [0, 1].map(|end| question.parameters.iter().map(|one| one.range[end]).collect::<Vec<f64>>());
     let found = least_squares(&mut problem, &start, (&ends[0], &ends[1])).map_err(|stop| match stop {
@@ -290,6 +291,27 @@ pub fn fit(
     };
     fit.notes = notes(&fit, problem.weighted_by_spread());
     Ok(fit)
+}
+
+/// Refuses addresses of which one would undo what another sets: derivatives and errors would be those of another scene.
+fn refuse_overlaps(
+    (scenario, set): (&Scenario, &[Override]),
+    table: &Table,
+    roles: &Roles,
+    question: &Question,
+) -> Result<(), Trouble> {
+    let settings = roles.settings.iter().map(|place| table.columns[*place].name.as_str());
+    let paths: Vec<&str> = settings.chain(question.parameters.iter().map(|one| one.address.as_str())).collect();
+    let Some((first, later, shared)) = scenario.overlap(set, &paths) else { return Ok(()) };
+    let shown = |index: usize| match index < roles.settings.len() {
+        true => format!("the column `{}`", paths[index]),
+        false => format!("the parameter `{}`", paths[index]),
+    };
+    Err(Trouble::Wrong(format!(
+        "{} and {} both set {shared}: the one would overwrite the other; take only one of them, or what they do not share",
+        shown(first),
+        shown(later)
+    )))
 }
 
 /// Where the search begins.

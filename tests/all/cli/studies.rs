@@ -118,11 +118,11 @@ fn what_is_no_line_is_not_ranked_by_lines() {
         "scene.toml",
         "gravity = [0, 0, 0]\nparameters = { x = 0.0, y = 0.0 }\n\
          [[body]]\nname = \"slide\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
-         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"= x\" }\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"{x}\" }\n\
          [[body]]\nname = \"other\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
-         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"= y\" }\n\
-         [[output]]\nname = \"place\"\ntype = \"coordinate\"\nof = \"slide.x\"\n\
-         [[output]]\nname = \"off\"\ntype = \"coordinate\"\nof = \"other.x\"\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100.0, rest = \"{y}\" }\n\
+         [[output]]\nname = \"place\"\ntype = \"coordinate\"\nof = \"slide.distance\"\n\
+         [[output]]\nname = \"off\"\ntype = \"coordinate\"\nof = \"other.distance\"\n\
          [[output]]\nname = \"square\"\ntype = \"expression\"\nexpression = \"place^2 + 0.01*off\"\nunit = \"m2\"\n",
     );
     let vary = ["--vary", "parameters.x=uniform(-1, 1)", "--vary", "parameters.y=uniform(-1, 1)"];
@@ -132,4 +132,49 @@ fn what_is_no_line_is_not_ranked_by_lines() {
     assert!(of_square.contains("what matters most is not a line") && !of_square.contains("most is `"), "{of_square}");
     let of_place = bench.call(&["study", "rows", "--of", "place"]).code(0).out;
     assert!(of_place.contains("what matters most is `parameters.x`"), "{of_place}");
+}
+
+/// Of `a + b` with correlation r the coefficient of each is 1/√(2 + 2 r), here √5: its square is no share of the variance.
+#[test]
+fn correlated_inputs_have_no_share_of_the_variance() {
+    let bench = Bench::new();
+    bench.write(
+        "scene.toml",
+        "gravity = [0, 0, 0]\nparameters = { a = 1.0, b = 1.0 }\n\
+         [[body]]\nname = \"m\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 1.0, rest = \"{a}+{b}\" }\n",
+    );
+    bench.write("matrix.csv", "parameters.a,parameters.b\n1,-0.9\n-0.9,1\n");
+    let vary = ["--vary", "parameters.a=normal(1, 0.1)", "--vary", "parameters.b=normal(1, 0.1)"];
+    let told = |name: &str, more: &[&str]| {
+        let call = ["sweep", "scene.toml", "--cases", "500", "--out", name, "--quiet"];
+        bench.call(&[&call[..], &vary[..], more].concat()).code(0);
+        bench.call(&["study", name, "--of", "m.distance"]).code(0).out
+    };
+    let correlated = told("correlated", &["--correlate", "matrix.csv"]);
+    let words = "none has a share of the variance of its own; a line in all inputs explains 100 %";
+    assert!(
+        correlated.contains(words) && correlated.contains("(`parameters.a` and `parameters.b` by -0."),
+        "{correlated}"
+    );
+    assert!(!correlated.contains("% of the variance"), "{correlated}");
+    let independent = told("independent", &[]);
+    assert!(independent.contains("% of the variance") && !independent.contains("correlated ("), "{independent}");
+}
+
+/// A fit of a number and of all of its kind would have the derivatives of neither: both are named, with what they share.
+#[test]
+fn numbers_that_share_an_entry_are_not_fitted_at_once() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    bench.write("data.csv", "pan.mass,pan.distance\n1,-0.1\n2,-0.2\n3,-0.3\n");
+    bench.write("set.csv", "hinge.stiffness,pan.distance\n100,-0.1\n200,-0.05\n");
+    let refused = |data: &str, parameters: &[&str], words: &str| {
+        let call = ["study", "scale.toml", "--fit", data, "--parameter"];
+        let error = bench.call(&[&call[..], parameters].concat()).code(2).err;
+        assert!(error.contains(words), "{parameters:?}: {error}");
+    };
+    let both = "the parameter `hinge.stiffness` and the parameter `pan.stiffness` both set `pan.stiffness`";
+    refused("data.csv", &["hinge.stiffness", "pan.stiffness", "pan.rest"], both);
+    refused("set.csv", &["pan.stiffness"], "the column `hinge.stiffness` and the parameter `pan.stiffness` both set");
 }

@@ -173,3 +173,58 @@ fn nothing_is_varied_in_vain() {
     // A table that cannot be written is told before the work.
     refused(&["scale.toml", "--over", "pan.mass=1,2", "--out", "no/such/folder.csv"], "cannot write");
 }
+
+/// Two bodies, the first with a spring in its hinge, and a stiffness of both.
+const TWO_HINGES: &str = "[statics]\nwant = \"any\"\n\
+    [[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0, 0, -0.5]\ninertia = [0.1, 0.1, 0.1]\n\
+    hinge = { type = \"revolute\", axis = [0, 1, 0], stiffness = 10.0, rest = 0.2 }\n\
+    [[body]]\nname = \"b\"\nmass = 1.0\ncenter = [0, 0, -0.5]\ninertia = [0.1, 0.1, 0.1]\n\
+    hinge = { type = \"revolute\", parent = \"a\", at = [0, 0, -1], axis = [0, 1, 0], stiffness = 10.0 }\n";
+
+/// A row would show a value that another address has overwritten: both addresses are named, and what they share.
+#[test]
+fn addresses_that_share_an_entry_are_not_varied_at_once() {
+    let bench = Bench::new();
+    bench.write("two.toml", TWO_HINGES);
+    bench.write("matrix.csv", "a.stiffness,hinge.stiffness\n1,0.5\n0.5,1\n");
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let error = bench.call(&[&["sweep", "two.toml"], arguments].concat()).code(2).err;
+        assert!(words.iter().all(|word| error.contains(word)), "{arguments:?}: {error}");
+    };
+    let hinges = ["`--over a.stiffness` and `--over hinge.stiffness` both vary `a.stiffness`"];
+    refused(&["--over", "a.stiffness=1,20", "--over", "hinge.stiffness=30,40"], &hinges);
+    let gravity = ["`--over gravity[2]` and `--over gravity` both vary `gravity[2]`"];
+    refused(&["--over", "gravity[2]=-1,-2", "--over", "gravity=[0,0,-3],[0,0,-4]"], &gravity);
+    refused(
+        &["--over", "gravity[02]=-1,-2", "--over", "gravity[2]=-3"],
+        &["`--over gravity[02]`", "both vary `gravity[2]`"],
+    );
+    let mixed = ["--over", "hinge.damping=1,2", "--vary", "b.damping=uniform(1, 2)", "--cases", "2"];
+    refused(&mixed, &["`--over hinge.damping` and `--vary b.damping` both vary `b.damping`"]);
+    let drawn = ["--vary", "a.stiffness=uniform(1, 2)", "--vary", "hinge.stiffness=uniform(1, 2)", "--cases", "2"];
+    refused(&[&drawn[..], &["--correlate", "matrix.csv"]].concat(), &["both vary `a.stiffness`"]);
+    // Entries of their own are varied at once.
+    bench.call(&["sweep", "two.toml", "--over", "a.stiffness=1,20", "--over", "b.stiffness=30,40"]).code(0);
+    bench.call(&["sweep", "two.toml", "--over", "gravity[0]=0,1", "--over", "gravity[2]=-3,-4"]).code(0);
+}
+
+/// A `--set` of nothing but what is varied would be lost; of more than that the rest stands.
+#[test]
+fn what_is_set_is_not_lost_to_what_is_varied() {
+    let bench = Bench::new();
+    bench.write("two.toml", TWO_HINGES);
+    let call = |over: &[&str], set: &str| bench.call(&[&["sweep", "two.toml", "--json", "--set", set], over].concat());
+    let lost = call(&["--over", "hinge.stiffness=5,6"], "a.stiffness=500").code(2).err;
+    let words =
+        "`--set a.stiffness` would be lost: all that it sets, `a.stiffness`, is varied by `--over hinge.stiffness`";
+    assert!(lost.contains(words), "{lost}");
+    let both = ["--over", "a.stiffness=5,6", "--over", "b.stiffness=5,6"];
+    let lost = call(&both, "hinge.stiffness=500").code(2).err;
+    assert!(lost.contains("varied by `--over a.stiffness` and `--over b.stiffness`"), "{lost}");
+    let cases = call(&["--over", "a.stiffness=5,6"], "hinge.stiffness=500").code(0).json()["cases"].clone();
+    let alone = call(&["--over", "a.stiffness=5,6"], "b.stiffness=500").code(0).json()["cases"].clone();
+    for (one, other) in cases.as_array().expect("cases").iter().zip(alone.as_array().expect("cases")) {
+        assert_eq!((&one["values"], &one["result"]["b.angle"]), (&other["values"], &other["result"]["b.angle"]));
+        assert!(one["result"]["b.angle"].is_number(), "{one}");
+    }
+}
