@@ -10,6 +10,7 @@ mod datasets;
 mod discs;
 #[cfg(feature = "friction")]
 mod edges;
+mod guided_contact;
 #[cfg(feature = "friction")]
 mod held_by_friction;
 mod interrupt;

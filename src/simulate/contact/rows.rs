@@ -11,6 +11,8 @@ use std::cell::OnceCell;
 
 /// Singular values below this part of the largest are those of linearly dependent rows.
 const RANK: f64 = 1e-9;
+/// Rows that answer to what they push with by less than this part of those that answer the most do so by rounding, beside loops and drives.
+const IMMOVABLE: f64 = 1e-13;
 /// Rounds of a projection of positions.
 const MOST_ROUNDS: usize = 6;
 
@@ -114,6 +116,12 @@ impl Contacts {
         let rows = self.kept_rows();
         let answers = self.answers(mass, &rows);
         self.independent = pivots(&self.matrix(&rows, &answers));
+    }
+
+    /// Closed contacts of which a row depends on others.
+    pub(super) fn dropped(&self) -> Vec<usize> {
+        let rows = self.rows().into_iter().enumerate();
+        rows.filter(|(row, _)| !self.independent.contains(row)).map(|(_, row)| row.of).collect()
     }
 
     /// The solution of least norm, each row in units of its own entry: in the span of the independent rows.
@@ -256,7 +264,9 @@ impl Contacts {
         let kept = &self.independent;
         let Across { units, q, x } = Across::new(matrix, rates, kept)?;
         // Forces in parts of the scale, slips straight on as free numbers: Qᵀ λ = x.
-        let equation = |k: usize| -> Vec<f64> { (0..rows.len()).map(|j| q[(j, k)] / units[j]).collect() };
+        // What nothing can move along pushes nothing, either.
+        let in_units = |entry: f64, unit: f64| if unit > 0.0 { entry / unit } else { 0.0 };
+        let equation = |k: usize| -> Vec<f64> { (0..rows.len()).map(|j| in_units(q[(j, k)], units[j])).collect() };
         let equations: Vec<Vec<f64>> = (0..kept.len()).map(equation).collect();
         let right = x.iter().map(|x| x / self.scale);
         let mut cones = Vec::new();
@@ -299,10 +309,13 @@ pub(super) fn press(mass: &mut Factorized<'_>, links: [usize; 2], point: &Vector
     }
 }
 
-/// What makes the rows of a matrix comparable: its diagonal is 1 with them.
+/// What makes the rows of a matrix comparable: its diagonal is 1 with them; 0 for rows along which hinges, loops and drives let nothing
+/// move.
 fn units(matrix: &DMatrix<f64>) -> Vec<f64> {
-    let unit = |i: usize| matrix[(i, i)].abs().sqrt().recip();
-    (0..matrix.nrows()).map(unit).map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect()
+    let entries = matrix.diagonal();
+    let least = IMMOVABLE * entries.amax();
+    let unit = |entry: &f64| if entry.abs() > least { entry.abs().sqrt().recip() } else { 0.0 };
+    entries.iter().map(unit).collect()
 }
 
 /// The solution of least norm of rows of which these are linearly independent, each in units of its own entry.

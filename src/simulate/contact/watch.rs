@@ -26,6 +26,8 @@ pub(in crate::simulate) enum Aspect {
     Slip(usize),
 }
 
+/// What sticks and slips all the same by more than so many times what is a slip does not stick.
+const DRAGGED: f64 = 2.0;
 /// Forces beyond their cones by less than this part are round-off of what balances them.
 pub(super) const BEYOND: f64 = 1e-8;
 
@@ -145,6 +147,10 @@ impl Contacts {
     }
 
     fn look(&self) -> f64 {
+        let dragged = self.dragged();
+        if dragged > DRAGGED * self.kept {
+            return -dragged / self.kept;
+        }
         let bears = |closed: &&Closed| closed.state != ContactState::Spare && closed.pushes;
         let each = self.closed.iter().filter(bears).map(|closed| {
             let n = closed.meeting.normal.dot(&closed.force);
@@ -154,6 +160,18 @@ impl Contacts {
         });
         let least = each.fold(f64::INFINITY, f64::min) / self.scale;
         if least < 0.0 { self.best().map_or(least, |best| best.max(least)) } else { least }
+    }
+
+    /// The largest slip of what sticks and is moved along by what friction cannot hold up, as a drive: rows that depend on others are
+    /// not kept by themselves (m/s).
+    fn dragged(&self) -> f64 {
+        let slips = |closed: &Closed| closed.state == ContactState::Stick && closed.slip.norm() > DRAGGED * self.kept;
+        if !self.closed.iter().any(slips) {
+            return 0.0;
+        }
+        let dropped = self.dropped();
+        let own = self.closed.iter().enumerate().filter(|(at, closed)| slips(closed) && dropped.contains(at));
+        own.map(|(_, closed)| closed.slip.norm()).fold(0.0, f64::max)
     }
 
     /// The laws of contacts as they move; friction at rest is `less` than it is by that part.
