@@ -1,7 +1,7 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
 use super::output::bare;
-use super::{beams, modals};
+use super::{beams, modals, text};
 use crate::constraint::LoopReaction;
 use crate::dynamics::{BeamState, Fault, System};
 use crate::model::{Model, Output};
@@ -276,7 +276,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         },
         "beams": beams,
         "modal": modals::json(model, position, &summary.poses),
-        "notes": unknown.into_iter().collect::<Vec<_>>(),
+        "notes": unknown.into_iter().chain(text::doubt(model, summary)).collect::<Vec<_>>(),
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })

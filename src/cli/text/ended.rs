@@ -4,6 +4,7 @@ use super::super::number::ROUND_OFF;
 use super::super::output::bold;
 use super::{MOST_LINES, count, duration, more, number, small, times, without_noise};
 use crate::model::Model;
+use crate::model::description::When;
 use crate::simulate::Summary;
 use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, VerifiedEvents};
@@ -46,13 +47,32 @@ pub(in crate::cli) fn verified(verified: &Verified) -> String {
     out
 }
 
+/// More than this part of all energies that is unaccounted for makes the rest worth little.
+const DOUBTFUL: f64 = 0.01;
+
+/// The size of the energies of a run (J): heights are known to the round-off of the scene's length, whatever their sum is.
+fn scale(model: &Model, summary: &Summary) -> f64 {
+    let Summary { energy_start, energy_end, work, dissipated, .. } = *summary;
+    let weight = model.total_mass() * model.gravity.norm() * model.length_scale();
+    [energy_start, energy_end, work, dissipated].iter().fold(weight, |scale, energy| scale.max(energy.abs()))
+}
+
+/// What is to be known before anything else is believed of a run.
+pub(in crate::cli) fn doubt(model: &Model, summary: &Summary) -> Option<String> {
+    let part = summary.energy_drift / scale(model, summary);
+    let captured = if summary.capture_steps > 0 { ", or let less be captured (`integrator`, damping)" } else { "" };
+    (part > DOUBTFUL).then(|| {
+        format!(
+            "{} % of all energy is unaccounted for: what the run says is as doubtful as that; take a smaller `tolerance`{captured}",
+            small(100.0 * part)
+        )
+    })
+}
+
 /// The energies of a run; what is below the round-off of their scale is 0, and that is said.
 fn energies(model: &Model, summary: &Summary) -> String {
     let Summary { energy_start, energy_end, work, dissipated, energy_drift, .. } = *summary;
-    // Heights are known to the round-off of the scene's length, whatever the sum of their energies is.
-    let weight = model.total_mass() * model.gravity.norm() * model.length_scale();
-    let scale =
-        [energy_start, energy_end, work, dissipated].iter().fold(weight, |scale, energy| scale.max(energy.abs()));
+    let scale = scale(model, summary);
     let shown = |energy: f64| without_noise(energy, scale);
     let part = |what: &str, energy: f64| match shown(energy) {
         0.0 => String::new(),
@@ -70,7 +90,7 @@ fn energies(model: &Model, summary: &Summary) -> String {
         part("put in", work),
         part("dissipated", dissipated),
         small(shown(energy_drift)),
-    )
+    ) + &doubt(model, summary).map_or_else(String::new, |doubt| format!("\n  beware       {doubt}"))
 }
 
 /// The outputs that are told with a stage.
@@ -78,6 +98,12 @@ fn told(summary: &Summary, stage: &str) -> String {
     let of_stage = summary.told.iter().filter(|(name, ..)| name == stage);
     let each: Vec<String> = of_stage.map(|(_, label, value)| format!("{label} {}", number(*value))).collect();
     if each.is_empty() { String::new() } else { format!(": {}", each.join(", ")) }
+}
+
+/// Stages that have not come, a line each.
+fn pending(summary: &Summary) -> String {
+    let line = |(name, when): &(String, When)| format!("  not come     stage `{name}` waits for {when} still\n");
+    summary.pending.iter().map(line).collect()
 }
 
 /// The end of a run.
@@ -119,9 +145,7 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         let _ = writeln!(out, "  {head:<12} {time} s: {what}");
     }
     more(&mut out, others.len());
-    for (name, when) in &summary.pending {
-        let _ = writeln!(out, "  not come     stage `{name}` waits for {when} still");
-    }
+    out += &pending(summary);
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }

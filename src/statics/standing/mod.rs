@@ -153,7 +153,15 @@ fn settled(
     go_on: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, Unanswered> {
     let end = settle::settle(model, settings, &model.start_position, go_on)?;
-    let there = standing(description, model, settings, asked, &end.pose)?;
+    let there = standing(description, model, settings, asked, &end.pose).map_err(|why| match why {
+        Unanswered::Untouchable(Untouchable::Overlap { between: [one, other], depth, allowed, .. }) => {
+            Unanswered::Unsettled(format!(
+                "where nothing goes down any more `{one}` and `{other}` overlap by {depth:.3e} m, and {allowed:.1e} m count as closed: \
+                 begin from another pose, or raise `[statics] gap`"
+            ))
+        }
+        why => why,
+    })?;
     let mut found = certificate::certificate(description, model, settings, &end.pose, &there)?;
     (found.stage, found.iterations) = ("settled", end.steps);
     found.notes.push(format!(

@@ -111,10 +111,10 @@ fn what_can_never_touch_is_said_by_check() {
              [[contact]]\nbetween = [\"floor\", \"lid\"]\nfriction = 0.5\n"
         )
     };
-    bench.write("planes.toml", &scene("plane = [0, 0, -1]"));
+    bench.write("planes.toml", scene("plane = [0, 0, -1]"));
     let told = bench.call(&["check", "planes.toml"]).code(2);
     assert!(told.err.contains("`lid` is a half space as well") && told.err.contains("planes.toml"), "{told:?}");
-    bench.write("box.toml", &scene("box = [1, 1, 1]"));
+    bench.write("box.toml", scene("box = [1, 1, 1]"));
     bench.call(&["check", "box.toml"]).code(0);
 }
 
@@ -126,14 +126,19 @@ fn small_turns_have_quaternions_near_one() {
         for angle in [-0.2_f64, 0.0, 0.2] {
             bench.write(
                 "scene.toml",
-                &format!(
+                format!(
                     "[[body]]\nname = \"rod\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
                      hinge = {{ type = \"revolute\", axis = {axis}, position = {angle:?} }}\n\
                      [[output]]\nname = \"turn\"\ntype = \"orientation\"\nof = \"rod\"\n"
                 ),
             );
             let told = bench.call(&["inspect", "scene.toml", "--json"]).code(0).json();
-            let turn: Vec<f64> = told["outputs"]["turn"].as_array().expect("four numbers").iter().map(|x| x.as_f64().expect("a number")).collect();
+            let turn: Vec<f64> = told["outputs"]["turn"]
+                .as_array()
+                .expect("four numbers")
+                .iter()
+                .map(|x| x.as_f64().expect("a number"))
+                .collect();
             let axis: Vec<f64> = serde_json::from_str::<Vec<f64>>(axis).expect("an axis");
             let along: f64 = turn[1..].iter().zip(&axis).map(|(x, a)| x * a).sum();
             let size = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
@@ -150,7 +155,7 @@ fn an_angle_crosses_its_value_and_not_where_it_jumps() {
     for (value, turned) in [(0.0, 2.0 * PI - 0.5), (3.1, 3.1 - 0.5), (-3.1, 2.0 * PI - 3.1 - 0.5), (1.0, 0.5)] {
         bench.write(
             "scene.toml",
-            &format!(
+            format!(
                 "gravity = [0, 0, 0]\nsimulate = {{ start = \"given\", duration = 1.0 }}\n\
                  [[body]]\nname = \"rotor\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
                  hinge = {{ type = \"revolute\", axis = [0, 0, 1], position = 0.5, velocity = 10.0 }}\n\
