@@ -7,6 +7,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 /// Parts of a turn in which the direction of slip is looked for: more of them if there is none in few, as close to sticking, where
 /// there are two that are near each other.
 const DIRECTIONS: [usize; 3] = [16, 128, 2048];
+/// A force holds what is left of a rate by rounding: far less than what friction is made smaller by where it has reached its limit.
+const HOLDS: f64 = 1e-10;
 /// Steps of Newton's method from the direction of the last sweep.
 const MOST_NEWTON: usize = 8;
 
@@ -82,7 +84,7 @@ fn held_otherwise(a: &Matrix3<f64>, rate: &Vector3<f64>, stick: f64, hold: &Vect
         let push = Vector3::new(1.0, friction * along.x, friction * along.y);
         let resist = a.row(0).transpose().dot(&push);
         let force = (resist > 0.0).then(|| push * (-rate.x / resist))?;
-        ((rate + a * force).norm() <= RANK.sqrt() * rate.norm()).then_some(force)
+        ((rate + a * force).norm() <= HOLDS * rate.norm()).then_some(force)
     })
 }
 

@@ -148,8 +148,10 @@ fn actuators_start_from_the_one_default_of_their_class() {
         let near = |found: f64, wanted: f64| {
             assert!((found - wanted).abs() <= 1e-12 * wanted.abs(), "{case}: {found} {wanted}")
         };
-        near(hinge.stiffness[0], factor(1));
-        near(hinge.damping[0], factor(2));
+        // What is zero is not written.
+        let written = |list: &[f64]| list.first().copied().unwrap_or(0.0);
+        near(written(&hinge.stiffness), factor(1));
+        near(written(&hinge.damping), factor(2));
         let model = Model::build(&scenario.description).expect("a model");
         let mut accelerations = [0.0_f64];
         System::new(&model)
