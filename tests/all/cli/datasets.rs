@@ -430,7 +430,8 @@ fn a_full_disk_is_an_error_and_no_loss() {
     let output = Command::new("sh").args(["-c", &limited]).current_dir(bench.path()).output().expect("a shell");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("is not complete") && error.contains("part-0000000.parquet"), "{error}");
+    // Two threads write the two parts: either may be the first that does not fit.
+    assert!(error.contains("is not complete") && error.contains("part-000000"), "{error}");
     assert!(!error.contains("panicked"), "{error}");
     assert_eq!(files(&bench.path().join("d"), ".partial"), Vec::<PathBuf>::new());
     bench.call(&study.replace('\'', "").split(' ').collect::<Vec<_>>()).code(0);
