@@ -60,7 +60,7 @@ fn scale(model: &Model, summary: &Summary) -> f64 {
 /// What is to be known before anything else is believed of a run.
 pub(in crate::cli) fn doubt(model: &Model, summary: &Summary) -> Option<String> {
     let part = summary.energy_drift / scale(model, summary);
-    let captured = if summary.capture_steps > 0 { ", or let less be captured (`integrator`, damping)" } else { "" };
+    let captured = if summary.capture_steps > 0 { ", or give what is stiff some damping" } else { "" };
     (part > DOUBTFUL).then(|| {
         format!(
             "{} % of all energy is unaccounted for: what the run says is as doubtful as that; take a smaller `tolerance`{captured}",
