@@ -3,8 +3,13 @@
 use super::cone::Law;
 use super::frame::{Column, along};
 use super::pairs::Key;
-use crate::model::{Model, Side, StopSide};
+use crate::dynamics::{Factorized, System};
+use crate::model::{Model, Side, Stop, StopSide};
 use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// What is left of a displacement onto a limit by rounding (m or rad).
+const ROUNDING: f64 = 1e-12;
 
 /// What bears.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,13 +44,35 @@ impl Support {
     }
 }
 
-/// Puts coordinates of a tree that have passed rigid limits back on them.
-pub(crate) fn within_limits(model: &Model, q: &mut [f64]) {
-    if model.is_constrained() {
-        return;
+/// Puts coordinates that have passed rigid limits back on them: of trees each by itself, beside loops, drives and gears one after the other by
+/// the shortest displacement that these allow, in the metric of the inertia.
+pub(crate) fn within_limits(mass: &mut Factorized<'_>, q: &mut [f64]) {
+    let model = Arc::clone(mass.system().model());
+    let back = |stop: &Stop, q: &[f64]| q[stop.position].clamp(stop.range[0], stop.range[1]);
+    let rigid = || model.stops.iter().filter(|stop| stop.is_rigid());
+    if model.is_constrained() && rigid().any(|stop| back(stop, q) != q[stop.position]) {
+        let (mut push, mut change) = (vec![0.0; model.velocity_count()], vec![0.0; model.velocity_count()]);
+        for stop in rigid().filter(|stop| !model.coordinates[stop.velocity].lock) {
+            let way = back(stop, q) - q[stop.position];
+            if way == 0.0 {
+                continue;
+            }
+            push[stop.velocity] = 1.0;
+            mass.answer_impulse(&push, &mut change);
+            push[stop.velocity] = 0.0;
+            let own = change[stop.velocity];
+            if own > 0.0 {
+                change.iter_mut().for_each(|x| *x *= way / own);
+                System::displace(&model, q, &change);
+            }
+        }
     }
-    for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
-        q[stop.position] = q[stop.position].clamp(stop.range[0], stop.range[1]);
+    // What is left is rounding, or what loops and drives do not let go: the run looks at that.
+    for stop in rigid() {
+        let way = back(stop, q) - q[stop.position];
+        if !model.is_constrained() || way.abs() <= ROUNDING * (1.0 + q[stop.position].abs()) {
+            q[stop.position] += way;
+        }
     }
 }
 

@@ -140,9 +140,11 @@ impl Evaluated<'_> {
         }
     }
 
-    /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
+    /// Energies as a search for rest sees them: with the potential of motors and of loads over time as they are, whose energy is work in a run.
     pub fn energies_at_rest(&self) -> Energies {
         let mut energies = self.energies();
+        let System { laws, motion, .. } = &*self.system;
+        energies.potential += laws.forces.iter().map(|force| force.law.potential_at_rest(&motion.links)).sum::<f64>();
         energies.potential += applied::motor::potential_at_rest(&self.system.model, self.q);
         energies
     }

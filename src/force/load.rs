@@ -191,6 +191,17 @@ impl Act for LoadLaw {
         !self.follows && self.torque == Vector3::zeros() && self.over_time.is_none()
     }
 
+    fn potential_at_rest(&self, links: &[LinkMotion]) -> f64 {
+        match self.follows || self.over_time.is_none() {
+            true => 0.0,
+            false => -self.factor * self.force.dot(&Anchor::of(&self.on, links).position),
+        }
+    }
+
+    fn has_potential_at_rest(&self) -> bool {
+        !self.follows && self.torque == Vector3::zeros()
+    }
+
     fn magnitude(&self, _links: &[LinkMotion]) -> Magnitude {
         let (force, moment) = (self.factor.abs() * self.force.norm(), self.factor.abs() * self.torque.norm());
         Magnitude { force, noise: force, moment, ..Magnitude::default() }

@@ -132,6 +132,14 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.has_potential(),)+ }
             }
 
+            fn potential_at_rest(&self, links: &[LinkMotion]) -> f64 {
+                match self { $(Self::$kind(law) => law.potential_at_rest(links),)+ }
+            }
+
+            fn has_potential_at_rest(&self) -> bool {
+                match self { $(Self::$kind(law) => law.has_potential_at_rest(),)+ }
+            }
+
             fn has_damping(&self) -> bool {
                 match self { $(Self::$kind(law) => law.has_damping(),)+ }
             }

@@ -82,6 +82,16 @@ pub trait Act {
         true
     }
 
+    /// What is left of a potential at one time, of what changes over time and has none in motion (J).
+    fn potential_at_rest(&self, _links: &[LinkMotion]) -> f64 {
+        0.0
+    }
+
+    /// Whether its wrenches at rest follow from both potentials at any one time.
+    fn has_potential_at_rest(&self) -> bool {
+        self.has_potential()
+    }
+
     /// Whether it takes out energy.
     fn has_damping(&self) -> bool {
         false

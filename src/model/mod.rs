@@ -369,6 +369,12 @@ impl Model {
     pub fn is_conservative(&self) -> bool {
         self.burns.is_empty()
             && self.forces.iter().all(|force| force.law.has_potential())
+            && self.is_conservative_at_rest()
+    }
+
+    /// [`Model::is_conservative`] at any one time, for statics: what changes over time stands still then.
+    pub fn is_conservative_at_rest(&self) -> bool {
+        self.forces.iter().all(|force| force.law.has_potential_at_rest())
             && self.motors.iter().all(Motor::has_potential)
             && self.links.iter().all(|link| {
                 !link.joint.is_ball()

@@ -142,6 +142,20 @@ impl Motion {
         Ok(())
     }
 
+    /// The multipliers of loops, drives and gears at a state whose accelerations were asked for last, with what contacts push in them: their
+    /// forces were found by solving for other ones.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    pub(super) fn balance_multipliers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<(), Fault> {
+        let touches = self.contacts.as_ref().is_some_and(|contacts| contacts.pushes_any());
+        let near = self.passage.as_ref().is_none_or(Passage::is_near);
+        if !touches || near {
+            return Ok(());
+        }
+        self.system.at(time, q, v).accelerations(&mut vec![0.0; v.len()]).map(drop)
+    }
+
     /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
     ///
     /// # Errors
@@ -174,6 +188,14 @@ impl Motion {
         powers.dissipated +=
             self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(self.system.phase(), q, v));
         powers
+    }
+
+    /// Powers for the ledger: captured steps book what their impulses do, by themselves and by drives, at their ends.
+    pub(super) fn booked_powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
+        match self.is_captured() {
+            true => self.system.at_without_contact(time, q, v).powers(),
+            false => self.powers(time, q, v),
+        }
     }
 
     /// What stops and dry friction hold at rest.
@@ -362,7 +384,7 @@ impl Problem for Motion {
             moved = settled.moved;
         }
         match &mut self.contacts {
-            Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v)? || moved),
+            Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v, true)? || moved),
             None => Ok(moved),
         }
     }

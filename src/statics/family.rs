@@ -152,6 +152,14 @@ impl<'a> Moving<'a> {
         if self.parameters.is_empty() {
             self.built = Some(Arc::clone(&model));
         }
+        if model.position_count() != q.len() {
+            return Err(format!(
+                "at {parameter} the scene has {} coordinates, not {}: markers and sections of a beam cut it into another number of elements \
+                 there; let them move with it by `[parameters]`",
+                model.position_count(),
+                q.len()
+            ));
+        }
         let mut q = q.to_vec();
         for body in model.bodies.iter().filter(|body| body.hinge.lock) {
             let range = body.hinge.position..body.hinge.position + body.hinge.kind.counts().0;

@@ -3,6 +3,7 @@
 mod answers;
 #[cfg(feature = "friction")]
 mod arches;
+mod beside_contact;
 mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;

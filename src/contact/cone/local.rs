@@ -153,9 +153,9 @@ impl Slip<'_> {
         let mut best: Option<(f64, f64)> = None;
         for count in DIRECTIONS {
             let step = std::f64::consts::TAU / count as f64;
-            // From the guess to both sides.
+            // From the guess to both sides, up to the part opposite to it: 0, 1, -1, 2, …
             for k in 0..count {
-                let offset = (k / 2) as f64 * if k % 2 == 0 { 1.0 } else { -1.0 } - 0.5;
+                let offset = k.div_ceil(2) as f64 * if k % 2 == 0 { -1.0 } else { 1.0 } - 0.5;
                 let (left, right) = (start + offset * step, start + (offset + 1.0) * step);
                 let (Some((l, _)), Some((r, _))) = (slip(left), slip(right)) else { continue };
                 if l * r > 0.0 {

@@ -55,8 +55,7 @@ impl Blocks {
             for part in parts {
                 for j in &self.contacts[part.tree] {
                     let Some(other) = self.parts[*j].iter().find(|other| other.tree == part.tree) else { continue };
-                    let product = &part.rows * &other.answers;
-                    let block = Matrix3::from_fn(|r, c| product[(r, c)]);
+                    let block = part.rows.fixed_rows::<3>(0) * other.answers.fixed_columns::<3>(0);
                     match all[i].iter_mut().find(|(k, _)| k == j) {
                         Some((_, sum)) => *sum += block,
                         None => all[i].push((*j, block)),

@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! (1)  q_m = q ⊞ ½ h v,   v⁺ = v + h q̈_free(q_m, v) + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
-//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + ½ h c + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h_max + e min(u_n, 0))
+//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + ½ h c + n (2 max(g_m, 0) / h + e min(u_n, 0))
 //!      c   by how much u̇ is more than J q̈: what the contact's own way over the bodies does
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
-//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back with
-//! every step, and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
+//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back behind
+//! every step ([`super::raise`]), and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
 //! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
 //! order 2 where contacts roll; a step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
@@ -34,16 +34,12 @@ const SHORTEST: f64 = 1e-5;
 const COARSE: [f64; 2] = [1e-5, 2e-3];
 /// A gap below this part of a shape's size is none for the events that take over.
 const CLOSES: f64 = 1e-4;
-/// Forces are found to this part of the largest, or as far as so many sweeps take them.
-const FOUND: f64 = 1e-6;
+/// Rates of contacts are found to this part of what makes a difference of positions as large as it may be in a step, or as far as so many
+/// sweeps take them.
+const FOUND: f64 = 0.02;
 const MOST_SWEEPS: usize = 1200;
-/// Forces that change by more than this in the last sweep, and rates by more than that, are not found.
-const ENOUGH: f64 = 1e-4;
-const STEADY: f64 = 1e-4;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
-/// What has sunk by rounding of the forces rises by this part of it in a step, in the longest one at most.
-const RISES: f64 = 0.2;
 /// A step gains no more than this part of the kinetic energy.
 const GAINED: f64 = 0.01;
 /// Energy gain that is rounding, in parts of the scene's weight over its length.
@@ -62,8 +58,9 @@ pub(super) struct Memory {
     calm: usize,
     /// Steps in which nothing moved.
     still: usize,
-    /// Energy that contacts took out since it was last asked for (J).
+    /// Energy that contacts took out and that drives put into their impulses since it was last asked for (J).
     lost: f64,
+    work: f64,
     pub(super) steps: usize,
     /// The step that is tried next (s).
     pub(super) step: f64,
@@ -92,11 +89,10 @@ struct Made {
     velocity: Vec<f64>,
     forces: Vec<(Id, Vector3<f64>)>,
     lost: f64,
-    /// What impulses take out behind all other forces of the step, whose work on the way is not theirs (J): never negative, but for
-    /// `raised`.
+    /// What drives put into impulses (J).
+    work: f64,
+    /// What impulses take out behind all other forces of the step, whose work on the way is not theirs (J): never negative.
     opposed: f64,
-    /// Work that raises what has sunk (J).
-    raised: f64,
     /// Whether its forces are found.
     found: bool,
 }
@@ -127,24 +123,25 @@ impl Capture {
     /// A state that cannot be evaluated.
     fn attempt(&self, motion: &mut Motion, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
-        let whole = moreau(motion, time, [q, v], step, &warm)?;
-        let first = moreau(motion, time, [q, v], 0.5 * step, &warm)?;
+        let fine = FOUND * self.tolerance * motion.model().length_scale();
+        let whole = moreau(motion, time, [q, v], step, &warm, fine)?;
+        let first = moreau(motion, time, [q, v], 0.5 * step, &warm, fine)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
-        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces)?;
+        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces, fine)?;
         let (scales, _) = motion.scales();
         let off = whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
         let error = off.fold(0.0, f64::max) / self.tolerance;
         made.lost += first.lost;
+        made.work += first.work;
         made.opposed += first.opposed;
-        made.raised += first.raised;
+        let (raised, depth) = motion.raise(time + step, &mut made.position, &made.velocity)?;
+        made.lost -= raised;
         let Motion { contacts: Some(contacts), system, .. } = motion else {
             return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
         };
-        // Contacts take energy out; what has sunk may rise by a little.
         let after = system.at(time + step, &made.position, &made.velocity).energies().kinetic;
         let rounding = ROUNDING * contacts.scale * contacts.model.length_scale();
-        let gained = -made.opposed - made.raised - GAINED * after - rounding;
-        let depth = contacts.depth(system);
+        let gained = -made.opposed - GAINED * after - rounding;
         let (found, sinks) = (first.found && made.found, depth - contacts.memory.depth.unwrap_or(0.0));
         Ok(Tried { found, made, error, gained, depth, sinks })
     }
@@ -183,6 +180,7 @@ fn remember(motion: &mut Motion, tried: Tried, next: impl Fn(f64) -> f64) {
     let still = scales.iter().zip(&made.velocity).all(|(scale, v)| v.abs() <= slow * span * scale);
     let memory = &mut contacts.memory;
     memory.lost += made.lost;
+    memory.work += made.work;
     memory.steps += 1;
     memory.depth = Some(depth);
     memory.step = next(memory.step);
@@ -269,7 +267,7 @@ impl Contacts {
     }
 
     /// How deep anything has sunk at the place of a system, in parts of its size.
-    fn depth(&mut self, system: &System) -> f64 {
+    pub(super) fn depth(&mut self, system: &System) -> f64 {
         self.pairs.place_at(system.links());
         self.deepest().map_or(0.0, |(_, depth)| depth)
     }
@@ -286,9 +284,9 @@ impl Contacts {
         self.closing = CLOSES;
     }
 
-    /// Energy that captured contacts took out since this was last asked (J).
-    pub(in crate::simulate) fn taken(&mut self) -> f64 {
-        std::mem::take(&mut self.memory.lost)
+    /// Energy that captured contacts took out and that drives put into their impulses since this was last asked (J).
+    pub(in crate::simulate) fn taken(&mut self) -> [f64; 2] {
+        [std::mem::take(&mut self.memory.lost), std::mem::take(&mut self.memory.work)]
     }
 
     /// Whether events may take over again.
@@ -343,7 +341,9 @@ impl Contacts {
     fn supports(&self, frames: &[Frame], q: &[f64], v: &[f64]) -> Vec<Support> {
         let contact = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
-            let law = Law::Coulomb { stick: friction.stick, slide: friction.slide };
+            // What slides has the friction of motion to the end of the step; what rests gives way at its limit and has it from the next one on.
+            let has = if frame.slip().norm() > self.kept { friction.slide } else { friction.stick };
+            let law = Law::Coulomb { stick: has, slide: has };
             let (columns, gap) = (frame.columns.clone(), frame.meeting.gap);
             Support { id: Id::Contact(frame.key), columns, gap, law }
         };
@@ -408,13 +408,29 @@ fn bend(frame: Option<&Frame>, support: &Support, u: &Vector3<f64>, h: f64) -> V
     if size > most { bend * (most / size) } else { bend }
 }
 
-/// (1) and (2).
+/// What drives put into the impulses of supports (J).
+fn driven(mass: &mut Factorized<'_>, supports: &[Support], forces: &[Vector3<f64>]) -> f64 {
+    if mass.system().model().drives.is_empty() {
+        return 0.0;
+    }
+    let n = mass.system().model().velocity_count();
+    let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
+    for (support, force) in supports.iter().zip(forces) {
+        for (column, f) in support.columns.iter().zip(force) {
+            column.iter().for_each(|(i, c)| impulse[*i] += c * f);
+        }
+    }
+    mass.answer_impulse_with_work(&impulse, &mut change)
+}
+
+/// (1) and (2); rates of contacts are found to `fine / h` (m).
 fn moreau(
     motion: &mut Motion,
     time: f64,
     [q, v]: [&[f64]; 2],
     h: f64,
     warm: &[(Id, Vector3<f64>)],
+    fine: f64,
 ) -> Result<Made, Fault> {
     let mut position = q.to_vec();
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
@@ -424,7 +440,7 @@ fn moreau(
     let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Some(contacts) = contacts else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, opposed: 0.0, raised: 0.0, found: true });
+        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: true });
     };
     let mut frames = contacts.ahead(mass.motion(), h);
     let mut supports = contacts.supports(&frames, &position, v);
@@ -436,10 +452,7 @@ fn moreau(
     frames.retain(|_| own.next().is_some_and(|support| !waits(support)));
     supports.retain(|support| !waits(support));
     let blocks = Blocks::new(contacts, &mut mass, &supports);
-    let longest = LONGEST * contacts.model.time_scale();
-    let way = |support: &Support| {
-        if support.gap > 0.0 { 2.0 * support.gap / h } else { RISES * support.gap / h.max(longest) }
-    };
+    let way = |support: &Support| 2.0 * support.gap.max(0.0) / h;
     let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     let bends: Vec<Vector3<f64>> =
         supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
@@ -458,26 +471,19 @@ fn moreau(
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
-    let found = problem.solve(&guesses, FOUND, MOST_SWEEPS);
+    let found = problem.sweep_to(&guesses, fine / h, MOST_SWEEPS);
     blocks.push(&found.forces, &mut velocity);
-    let (mut lost, mut opposed, mut raised) = (0.0, 0.0, 0.0);
+    let (mut lost, mut opposed) = (0.0, 0.0);
     for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
         // Positions go ½ h (v + v⁺): along that impulses do their work.
         lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
         opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
-        raised += force.x * (-way(support)).max(0.0);
     }
-    System::displace(&contacts.model, &mut position, &half(&velocity));
-    hinges::within_limits(&contacts.model, &mut position);
+    let work = driven(&mut mass, &supports, &found.forces);
+    let mut end = position.clone();
+    System::displace(&contacts.model, &mut end, &half(&velocity));
+    hinges::within_limits(&mut mass, &mut end);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    Ok(Made {
-        position,
-        velocity,
-        forces,
-        lost,
-        opposed,
-        raised,
-        found: found.change <= ENOUGH || found.missed <= STEADY,
-    })
+    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found })
 }

@@ -3,7 +3,7 @@
 use super::impact::FOUND;
 use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
-use crate::contact::cone::{Answer, State as Did};
+use crate::contact::cone::{Answer, Law, Problem, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
 use crate::contact::pairs::Key;
 use crate::dynamics::{Factorized, Fault, System};
@@ -26,8 +26,15 @@ const ALIKE: f64 = 0.5;
 const MOST_TURNS: usize = 20;
 /// Sweeps of the cone problem until the states of its contacts are tried, more of them each time: they may be right long before its forces are.
 const SWEEPS: [usize; 3] = [200, 5_000, 50_000];
+/// Forces that change by less than this part in a sweep tell what slips.
+const SETTLED: f64 = 1e-6;
 /// The whole scene rests if nothing accelerates by more than this part of the scene's own acceleration: what forces within cones balance.
 const STILL: f64 = 1e-8;
+
+/// What slips accelerates by more than this part of the largest acceleration in an answer: what has not been found yet does so clearly.
+fn slips(found: &Answer) -> f64 {
+    if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) }
+}
 
 /// What happened at an instant of contact, to be told.
 #[derive(Debug, Clone)]
@@ -105,7 +112,12 @@ impl Contacts {
         let pushed: Vec<(Key, bool)> = self.closed.iter().map(|was| (was.key, was.pushes)).collect();
         self.close(&frames, struck.is_empty(), time);
         changed.released += self.released(&pushed, system);
+        let kinetic = |system: &mut System, state: &State| {
+            system.at_without_contact(time, &state.position, &state.velocity).energies().kinetic
+        };
+        let moving = kinetic(system, state);
         self.hold(system, time, state)?;
+        changed.lost += moving - kinetic(system, state);
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
         self.tell(&before, &struck, &mut changed);
         Ok(changed)
@@ -182,7 +194,7 @@ impl Contacts {
         let mut a = vec![0.0; state.velocity.len()];
         let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
         self.choose(&mut mass);
-        self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
+        self.project(system, time, &mut state.position, &mut state.velocity, false).map(drop)
     }
 
     /// The states of closed contacts, by one cone problem on accelerations.
@@ -202,17 +214,24 @@ impl Contacts {
         let answers = responses(&mut mass, &frames);
         let rates: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
-        let problem = problem(&frames, &answers, rates, self.laws(&frames, less));
+        let mut problem = problem(&frames, &answers, rates, self.laws(&frames, less));
         let mut forces = vec![Vector3::zeros(); frames.len()];
         let touching = std::mem::take(&mut self.closed);
-        for sweeps in SWEEPS {
-            let found = problem.solve(&forces, FOUND, sweeps);
+        let mut tried = 0;
+        while let Some(sweeps) = SWEEPS.get(tried) {
+            let found = problem.solve(&forces, FOUND, *sweeps);
             if !found.forces.iter().all(|f| f.iter().all(|x| x.is_finite())) {
                 // Beside others that slide sweeps may run off without a paradox.
                 let Some(worst) = (0..frames.len()).find(|i| problem.jams(*i)) else { break };
                 let why = "pressing harder does not lift what slides there (Painlevé's paradox): rigid bodies with this friction \
                            have no acceleration";
                 return Err(Trouble::Contact { between: self.between(frames[worst].key.couple), why: why.to_owned() });
+            }
+            tried += 1;
+            if (found.change <= SETTLED || tried == SWEEPS.len()) && self.give_way(&frames, &found, size, &mut problem)
+            {
+                (forces, tried) = (found.forces, 0);
+                continue;
             }
             self.read(&touching, &frames, &found, size);
             if self.fits(system, state, &frames, size)? || found.change <= FOUND {
@@ -224,10 +243,25 @@ impl Contacts {
         Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why })
     }
 
+    /// Where friction at rest is more than in motion, each contact holds with what it has at rest until an answer says that it slips: from then
+    /// on it has what it has in motion. True if that is so of any that it was not so of before.
+    fn give_way(&self, frames: &[Frame], found: &Answer, size: f64, problem: &mut Problem) -> bool {
+        let (least, mut any) = (slips(found) * size, false);
+        let gives = |k: usize| found.states[k] == Did::Slip && found.rates[k].yz().norm() > least;
+        for (k, frame) in frames.iter().enumerate().filter(|(k, _)| gives(*k)) {
+            let moving = self.law(frame.key.couple).friction.slide;
+            if let Law::Coulomb { stick, slide } = &mut problem.laws[k]
+                && *slide > moving
+            {
+                (*stick, *slide, any) = (stick.min(moving), moving, true);
+            }
+        }
+        any
+    }
+
     /// Reads the states of contacts off an answer.
     fn read(&mut self, touching: &[Closed], frames: &[Frame], found: &Answer, size: f64) {
-        // What has not been found yet slips if it does so clearly.
-        let slips = if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) } * size;
+        let slips = slips(found) * size;
         self.closed.clear();
         let mut springs = 0.0_f64;
         for (k, closed) in touching.iter().enumerate() {

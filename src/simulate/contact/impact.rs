@@ -80,14 +80,12 @@ impl Contacts {
                 (0..frames.len()).filter(|i| all || frames[*i].key.couple == frames[worst].key.couple).collect();
             let part = if impact == MOST_IMPACTS { 0.0 } else { 1.0 };
             let found = self.strike_at(frames, answers, &speeds, &taking, part)?;
-            for i in &taking {
-                if speeds[*i].x < -self.rest
-                    && !done.all[..].iter().rev().take(taking.len()).any(|b| all && b.couple == frames[*i].key.couple)
-                {
-                    done.all.push(Impact { couple: frames[*i].key.couple, speed: -speeds[*i].x });
-                    if !all {
-                        break;
-                    }
+            let told = done.all.len();
+            for i in taking.iter().filter(|i| speeds[**i].x < -self.rest) {
+                let (couple, speed) = (frames[*i].key.couple, -speeds[*i].x);
+                match done.all[told..].iter_mut().find(|impact| impact.couple == couple) {
+                    Some(impact) => impact.speed = impact.speed.max(speed),
+                    None => done.all.push(Impact { couple, speed }),
                 }
             }
             let mut change = vec![0.0; v.len()];
@@ -96,10 +94,11 @@ impl Contacts {
                     change.iter_mut().zip(&answers[*i][c]).for_each(|(to, x)| *to += found.forces[k][c] * x);
                 }
             }
-            let before = speeds.clone();
             speeds.iter_mut().zip(frames).for_each(|(speed, frame)| *speed += frame.rates(&change));
+            // (2) where the impulses act: a disc that lies down has the speed of another point of its rim.
+            let mean: Vec<f64> = v.iter().zip(&change).map(|(v, change)| v + 0.5 * change).collect();
             let each = taking.iter().zip(&found.forces);
-            done.lost -= each.map(|(i, force)| 0.5 * force.dot(&(before[*i] + speeds[*i]))).sum::<f64>();
+            done.lost -= each.map(|(i, force)| force.dot(&frames[*i].rates(&mean))).sum::<f64>();
             v.iter_mut().zip(&change).for_each(|(v, x)| *v += x);
             if all {
                 break;

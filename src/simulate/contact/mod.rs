@@ -25,12 +25,14 @@
 //! | `watch` | (2): the numbers whose change of sign is an event |
 //! | `spring` | compliant contacts |
 //! | `capture` | steps that capture all events of an instant |
+//! | `raise` | what has sunk in captured steps is moved apart |
 //! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
 mod blocks;
 mod capture;
 mod decide;
 mod impact;
+mod raise;
 mod rows;
 mod spring;
 mod watch;
@@ -346,6 +348,11 @@ impl Contacts {
         self.recent.clear();
         self.memory.restart();
         self.follow_steps(Regime::Captured);
+    }
+
+    /// Whether anything pushed in the last place.
+    pub(super) fn pushes_any(&self) -> bool {
+        !self.closed.is_empty() || self.follows_steps()
     }
 
     /// Forces are those of captured steps from now on.

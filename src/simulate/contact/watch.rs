@@ -28,6 +28,9 @@ pub(in crate::simulate) enum Aspect {
 
 /// What sticks and slips all the same by more than so many times what is a slip does not stick.
 const DRAGGED: f64 = 2.0;
+/// A slip that begins is straight to so many times what one that moves is: where rolling ends it accelerates from nothing, and takes as long as its
+/// direction to turn by hundreds of that to get a speed.
+const BEGINS: f64 = 32.0;
 /// Forces beyond their cones by less than this part are round-off of what balances them.
 pub(super) const BEYOND: f64 = 1e-8;
 
@@ -88,7 +91,9 @@ impl Contacts {
     pub(super) fn bent(&self) -> f64 {
         let each = self.closed.iter().filter(|closed| closed.straight).map(|closed| {
             let least = 1e-9 * self.scale;
-            closed.across.abs() / self.rubs(closed.key.couple).max(least)
+            let across = closed.across.abs() / self.rubs(closed.key.couple).max(least);
+            // What hardly slips has no direction of its own yet: the one that friction has may be off by more, as it is soon over.
+            if closed.slip.norm() > self.slow { across } else { across / BEGINS }
         });
         each.fold(0.0, f64::max)
     }
@@ -174,7 +179,7 @@ impl Contacts {
         own.map(|(_, closed)| closed.slip.norm()).fold(0.0, f64::max)
     }
 
-    /// The laws of contacts as they move; friction at rest is `less` than it is by that part.
+    /// The laws of contacts as they move; friction at rest is `less` than it is by that part, and that of what gives way is not less at first.
     pub(super) fn laws(&self, frames: &[Frame], less: f64) -> Vec<Law> {
         let law = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
@@ -186,10 +191,13 @@ impl Contacts {
                 speed if speed > self.slow => {
                     Law::Sliding { friction: friction.slide, direction: frame.flat(&(slip / speed)) }
                 }
-                _ => Law::Coulomb {
-                    stick: friction.stick * (1.0 - less),
-                    slide: friction.slide.min(friction.stick * (1.0 - less)),
-                },
+                _ => {
+                    let stick = friction.stick * (1.0 - less);
+                    Law::Coulomb {
+                        stick,
+                        slide: if friction.slide < friction.stick { stick } else { stick.min(friction.slide) },
+                    }
+                }
             }
         };
         frames.iter().map(law).collect()

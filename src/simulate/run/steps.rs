@@ -111,7 +111,9 @@ impl Run<'_, '_> {
         }
         self.sampler.close(motion, &mut self.ledger, stepper, until)?;
         if let Some(contacts) = &mut motion.contacts {
-            self.ledger.lose(contacts.taken());
+            let [lost, work] = contacts.taken();
+            self.ledger.lose(lost);
+            self.ledger.put_in(work);
         }
         self.guard_contacts(motion, until)?;
         self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));

@@ -183,8 +183,12 @@ impl Run<'_, '_> {
     pub(super) fn hand_back(&mut self, motion: &mut Motion, time: f64, method: Method) -> Result<(), RunError> {
         let Some(contacts) = &mut motion.contacts else { return Ok(()) };
         if contacts.is_still() {
-            contacts.freeze();
             self.state.velocity.fill(0.0);
+            let raised = motion.raise_to_rest(time, &mut self.state.position, &self.state.velocity);
+            self.ledger.lose(-raised.map_err(|fault| RunError::Sample { time, fault })?);
+            if let Some(contacts) = &mut motion.contacts {
+                contacts.freeze();
+            }
         } else {
             contacts.end_capture();
             self.touch(motion, time, false)?;

@@ -39,6 +39,8 @@ pub(in crate::simulate) struct Ledger {
     dissipated: f64,
     /// Largest imbalance so far (J).
     pub drift: f64,
+    /// The last one (J).
+    error: f64,
     /// Whether any power flows that no potential stands for.
     flows: bool,
     /// Whether nothing happens within the last step or cuts it short: the powers at its stages lie on one curve.
@@ -87,7 +89,7 @@ impl Ledger {
             || !model.drives.is_empty()
             || !model.motors.is_empty();
         let stages = StagePowers { step: [f64::NAN; 2], powers: Vec::with_capacity(MOST_STAGES) };
-        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, flows, undisturbed: true, stages }
+        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, error: 0.0, flows, undisturbed: true, stages }
     }
 
     /// Integrates powers up to a time within the last step, `state` being scratch: a scene without dampers, loads and motors
@@ -122,7 +124,7 @@ impl Ledger {
         for (node, weight) in if is_part { &PART[..] } else { &WHOLE[..] } {
             let time = from + node * length;
             interpolate(motion, stepper, time, state)?;
-            let Powers { input, dissipated } = motion.powers(time, &state.position, &state.velocity);
+            let Powers { input, dissipated } = motion.booked_powers(time, &state.position, &state.velocity);
             self.work += weight * length * input;
             self.dissipated += weight * length * dissipated;
         }
@@ -164,8 +166,17 @@ impl Ledger {
     /// Takes note of the state at the end of what was integrated, of a step or at a sample; gives its ledger.
     pub(in crate::simulate) fn close(&mut self, now: &Energies) -> Energy {
         let energy = self.energy(now);
+        self.error = energy.error;
         self.drift = self.drift.max(energy.error.abs());
         energy
+    }
+
+    /// The ledger of a state on the way through a captured step, whose impacts are booked at its end: what they have taken out so far is what
+    /// this state has less.
+    pub(in crate::simulate) fn on_the_way(&self, now: &Energies) -> Energy {
+        let Energy { work, error, .. } = self.energy(now);
+        let dissipated = self.dissipated + self.error - error;
+        Energy { kinetic: now.kinetic, potential: now.potential, work, dissipated, error: self.error }
     }
 }
 
@@ -181,7 +192,7 @@ impl StagePowers {
                 let (q, v) = stages.state(i);
                 let time = step[0] + stages.node(i) * (step[1] - step[0]);
                 // What jumps where the step ends, as a table does, has not jumped yet.
-                motion.powers(time.min(step[1].next_down()), q, v)
+                motion.booked_powers(time.min(step[1].next_down()), q, v)
             }));
         }
         true

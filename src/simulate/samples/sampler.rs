@@ -133,6 +133,7 @@ impl Sampler {
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
+        motion.balance_multipliers(time, q, v).map_err(fault)?;
         let touches = !motion.model().contacts.is_empty();
         if let Some(contacts) = &motion.contacts {
             contacts.pushes(&mut self.contacts);
@@ -142,7 +143,9 @@ impl Sampler {
         at.residual(&self.accelerations, &mut self.residual).map_err(fault)?.reactions(&mut self.reactions);
         couplings::fill(&mut at, &self.accelerations, &mut self.couplings);
         at.poses(&mut self.poses);
-        let energy = ledger.close(&motion.energies(time, q, v));
+        let energies = motion.energies(time, q, v);
+        let captured = motion.is_captured();
+        let energy = if captured { ledger.on_the_way(&energies) } else { ledger.close(&energies) };
         let outputs = match &mut self.outputs {
             Some(outputs) => outputs.at(motion, time, state, [energy.work, energy.dissipated]).map_err(fault)?,
             None => &[],

@@ -20,7 +20,7 @@ pub(in crate::statics) fn examine_weak(
     found: &mut Equilibrium,
 ) -> Result<(), Fault> {
     let touches = found.stops.iter().any(|stop| stop.depth == 0.0);
-    if !(found.balanced && touches) || model.is_constrained() || !model.is_conservative() {
+    if !(found.balanced && touches) || model.is_constrained() || !model.is_conservative_at_rest() {
         return Ok(());
     }
     let Some(stability) = found.stability.as_mut().filter(|one| one.verdict != StabilityVerdict::Unstable) else {

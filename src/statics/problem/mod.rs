@@ -128,7 +128,7 @@ impl<'s> Landscape<'s> {
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
         even_out_balls(model, &mut full);
         let metric = free.iter().map(|i| full[*i]).collect();
-        let conservative = model.is_conservative();
+        let conservative = model.is_conservative_at_rest();
         let (steady, ties) = match model.is_constrained() {
             false => (rest.clone(), None),
             true => {

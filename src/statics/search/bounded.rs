@@ -20,7 +20,7 @@ use crate::statics::settings::{Method, Settings};
 
 /// Whether the search is for this scene: its loads have a potential, and nothing ties coordinates together.
 pub(super) fn is_for(model: &Model, settings: &Settings) -> bool {
-    settings.method == Method::Auto && !model.is_constrained() && model.is_conservative()
+    settings.method == Method::Auto && !model.is_constrained() && model.is_conservative_at_rest()
 }
 
 /// Where the search ended, and what it worked.

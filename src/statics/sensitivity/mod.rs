@@ -173,7 +173,7 @@ pub fn sensitivities(
     let set = borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
     let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
-    let is_symmetric = model.is_conservative() && found.velocity.iter().all(|v| *v == 0.0);
+    let is_symmetric = model.is_conservative_at_rest() && found.velocity.iter().all(|v| *v == 0.0);
     let adjoint = if is_symmetric { Adjoint::of(&mut study, parameters.len(), go_on) } else { None };
     for (one, number) in parameters.iter().zip(&numbers) {
         if !go_on() {
@@ -242,7 +242,7 @@ fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f
     if mode.frequency_hz == 0.0 {
         return Err("the motion has zero stiffness, and a frequency there no derivative".to_owned());
     }
-    if !model.is_conservative() || found.velocity.iter().any(|v| *v != 0.0) {
+    if !model.is_conservative_at_rest() || found.velocity.iter().any(|v| *v != 0.0) {
         return Err("frequencies have derivatives here only if all loads have a potential and nothing spins".to_owned());
     }
     let near = |other: &usize| (modes[*other].frequency_hz / mode.frequency_hz - 1.0).abs() < REPEATED;

@@ -1,0 +1,133 @@
+//! What has sunk is raised: positions are moved apart behind a captured step, velocities are not.
+//!
+//! ```text
+//! (4)  min ½ dᵀ M d,   J_n d ≥ −0.2 g   where g < 0,   J_n d ≥ −g   of what is near and of rigid stops
+//! ```
+//!
+//! In (2) of [`super::capture`] the same would be asked of velocities: bodies that are jammed have none that part all of them, and forces grew
+//! without end. Here the sweeps end where they do: what is left is raised behind the next step.
+
+use super::blocks::Blocks;
+use crate::contact::cone::{Law, Problem};
+use crate::contact::frame::Frame;
+use crate::contact::geometry::feature::Meeting;
+use crate::contact::hinges::{self, Id, Support};
+use crate::contact::pairs::Key;
+use crate::dynamics::{Fault, System};
+use crate::simulate::problem::Motion;
+use nalgebra::Vector3;
+
+/// What has sunk by less than this part of a shape's size stays, and what has by more rises by that part of it behind a step.
+const SHALLOW: f64 = 1e-4;
+const RISES: f64 = 0.2;
+/// What is put to rest rises by all of it, down to this part of a shape's size or as far as so many rounds take it.
+const NONE: f64 = 1e-9;
+const MOST_ROUNDS: usize = 30;
+/// What may be missing of that, in parts of it, and sweeps for it.
+const NEARLY: f64 = 0.05;
+const MOST_SWEEPS: usize = 60;
+/// What is nearer than so many times what has sunk deepest is not pushed into.
+const NEAR: f64 = 2.0;
+
+impl Motion {
+    /// Moves apart what has sunk at the end of a step; returns the energy that this puts in (J) and how deep anything still is, in
+    /// parts of its size.
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    pub(super) fn raise(&mut self, time: f64, position: &mut [f64], velocity: &[f64]) -> Result<(f64, f64), Fault> {
+        self.part(time, position, velocity, [SHALLOW, RISES])
+    }
+
+    /// Moves apart all that has sunk where a scene is put to rest; returns the energy that this puts in (J).
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    pub(in crate::simulate) fn raise_to_rest(
+        &mut self,
+        time: f64,
+        position: &mut [f64],
+        velocity: &[f64],
+    ) -> Result<f64, Fault> {
+        let mut put_in = 0.0;
+        for _ in 0..MOST_ROUNDS {
+            let (more, depth) = self.part(time, position, velocity, [NONE, 1.0])?;
+            put_in += more;
+            if depth <= NONE {
+                break;
+            }
+        }
+        Ok(put_in)
+    }
+
+    fn part(
+        &mut self,
+        time: f64,
+        position: &mut [f64],
+        velocity: &[f64],
+        [shallow, rises]: [f64; 2],
+    ) -> Result<(f64, f64), Fault> {
+        let Self { contacts: Some(contacts), system, .. } = self else { return Ok((0.0, 0.0)) };
+        system.at(time, position, velocity);
+        let depth = contacts.depth(system);
+        if depth <= shallow {
+            return Ok((0.0, depth));
+        }
+        let energies = system.at(time, position, velocity).energies();
+        let before = energies.kinetic + energies.potential;
+        let mut change = vec![0.0; velocity.len()];
+        let mut mass = system.at_without_contact(time, position, velocity).into_accelerations(&mut change)?;
+        let frames = contacts.sunk_ahead(mass.motion());
+        let deepest = frames.iter().map(|frame| -frame.meeting.gap).fold(0.0, f64::max);
+        let mut supports: Vec<Support> = frames
+            .iter()
+            .map(|frame| Support {
+                id: Id::Contact(frame.key),
+                columns: frame.columns.clone(),
+                gap: frame.meeting.gap,
+                law: Law::Coulomb { stick: 0.0, slide: 0.0 },
+            })
+            .collect();
+        // Rigid stops keep hinges from being moved beyond them.
+        let stops = hinges::supports(&contacts.model, position, velocity, 0.0).into_iter();
+        supports.extend(stops.filter(|support| matches!(support.id, Id::Stop(_))));
+        let blocks = Blocks::new(contacts, &mut mass, &supports);
+        let way = |support: &Support| if support.gap < 0.0 { rises * support.gap } else { support.gap };
+        let problem = Problem {
+            blocks: blocks.matrix(),
+            rates: supports.iter().map(|support| Vector3::x() * way(support)).collect(),
+            laws: supports.iter().map(|support| support.law).collect(),
+        };
+        let guess = vec![Vector3::zeros(); supports.len()];
+        let swept = problem.sweep_to(&guess, NEARLY * rises * deepest, MOST_SWEEPS);
+        change.fill(0.0);
+        blocks.push(&swept.forces, &mut change);
+        let mut parted = position.to_vec();
+        System::displace(&contacts.model, &mut parted, &change);
+        hinges::within_limits(&mut mass, &mut parted);
+        position.copy_from_slice(&parted);
+        let energies = system.at(time, position, velocity).energies();
+        let depth = contacts.depth(system);
+        Ok((energies.kinetic + energies.potential - before, depth))
+    }
+}
+
+impl super::Contacts {
+    /// Frames of all contacts that are nearer than what has sunk deepest.
+    fn sunk_ahead(&mut self, motion: &crate::motion::Motion) -> Vec<Frame> {
+        crate::contact::frame::carried(motion, &self.model, &mut self.carried);
+        self.pairs.place(motion);
+        let still = vec![0.0; self.pairs.pieces.len()];
+        let deepest = self.pairs.near(&still).into_iter().map(|couple| self.pairs.depth(couple)).fold(0.0, f64::max);
+        let far = NEAR * deepest;
+        let margins = vec![far; self.pairs.pieces.len()];
+        let mut found: Vec<(Key, Meeting)> = Vec::new();
+        for couple in self.pairs.near(&margins) {
+            if self.pairs.apart(couple) <= far {
+                self.pairs.facing(couple, far, &mut found);
+            }
+        }
+        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
+        found.into_iter().map(frame).collect()
+    }
+}
