@@ -132,16 +132,22 @@ fn three_logs_need_friction() {
     assert!((found.friction_margin.unwrap() - needs / 0.4).abs() < 1e-6, "{:?}", found.friction_margin);
 }
 
-/// A coin that is tossed comes to lie flat, and gains no energy on the way.
+/// A coin that is tossed loses what its impacts take and nothing else: it comes to lie, or wobbles low on its rim, which nothing brakes. How long that
+/// takes depends on the last digit of the toss.
 #[test]
-fn a_tossed_coin_comes_to_lie() {
+fn a_tossed_coin_comes_to_lie_or_wobbles_low() {
     let turn = UnitQuaternion::from_euler_angles(0.4, 0.3, 0.0);
     let speed = [Vector3::new(0.2, 0.1, 0.0), Vector3::new(3.0, -2.0, 1.0)];
     let text = FLOOR.to_owned() + &cylinder("coin", [0.05, 0.012], [0.0, 0.0, 0.1], turn, speed) + &contact(0.4);
-    let summary = go(&read(&text), 3.0, 1e-6, Method::Dop853);
-    let q = &summary.state.position;
-    let axis = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[4], q[5], q[6])) * Vector3::z();
-    assert!((q[2] - 0.006).abs() < 1e-5 && axis.z.abs() > 1.0 - 1e-6, "{q:?}");
-    assert!(summary.state.velocity.iter().all(|v| v.abs() < 1e-6), "{:?}", summary.state.velocity);
-    assert!(summary.energy_end < summary.energy_start);
+    for tolerance in [1e-6, 1e-7, 1e-8] {
+        let summary = go(&read(&text), 3.0, tolerance, Method::Dop853);
+        let q = &summary.state.position;
+        let axis = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[4], q[5], q[6])) * Vector3::z();
+        // From 28 degrees at the start to 3 at most, on its rim.
+        let tilt = axis.z.abs().min(1.0).acos();
+        let height = 0.006 * tilt.cos() + 0.05 * tilt.sin();
+        assert!(tilt < 0.05 && (q[2] - height).abs() < 1e-5, "{tolerance}: {tilt} {q:?}");
+        assert!(summary.energy_end < 0.1 * summary.energy_start, "{tolerance}: {}", summary.energy_end);
+        assert!(summary.energy_drift < 2e-3 * summary.energy_start, "{tolerance}: {}", summary.energy_drift);
+    }
 }

@@ -62,6 +62,24 @@ fn a_path_over_what_does_not_exist_is_a_wrong_call_and_one_without_a_start_answe
     assert!(bench.names().is_empty(), "nothing to write");
 }
 
+/// The last section of a beam is at its end: a longer one has an element more, and says so instead of coming to grief.
+#[test]
+fn beams_that_are_cut_otherwise_have_no_path_and_no_derivative() {
+    let bench = Bench::new();
+    bench.write(
+        "beam.toml",
+        "[[beam]]\nname = \"b\"\nlength = 1.85\nelements = 4\nmass_per_length = 0.68\n\
+         section = [{ s = 0.0, stiffness = [2e3, 8e2, 3e2, 44, 35, 22] }, { s = 1.85, stiffness = [1.6e3, 7e2, 2e2, 23, 33, 14] }]\n\
+         [[output]]\nname = \"z\"\ntype = \"position\"\nof = \"b.tip\"\naxis = [0, 0, 1]\n",
+    );
+    let path = "statics.path={ parameter = \"b.length\", from = 1.85, to = 2.0 }";
+    let answer = bench.call(&["statics", "beam.toml", "--set", path]).code(2);
+    assert!(answer.err.contains("another number of elements"), "{}", answer.err);
+    let answer = bench.call(&["statics", "beam.toml", "--sensitivity", "z", "--json"]).code(0).json();
+    let by = &answer["sensitivity"];
+    assert!(by.is_object() || by.is_array(), "{answer}");
+}
+
 #[test]
 fn a_recorded_path_goes_along_its_arclength_and_is_plotted_over_its_parameter() {
     let bench = Bench::new();

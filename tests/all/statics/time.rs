@@ -89,3 +89,37 @@ fn the_time_limit_of_a_file_is_that_of_the_search() {
         assert!(problems.to_string().contains("time_limit"), "{problems}");
     }
 }
+
+/// A load over time is a dead load where time stands still: the same search finds the same place as with the load that it is at t = 0.
+#[test]
+fn loads_over_time_are_what_they_are_at_the_start() {
+    let mut random = Random::new(17);
+    for _ in 0..6 {
+        let factor = random.between(-2.0, 2.0);
+        let force: Vec<f64> = random.list(3, -3.0, 3.0);
+        let links: String = (0..6)
+            .map(|index| {
+                let parent =
+                    if index > 0 { format!("parent = \"b{}\", at = [0, 0, -0.3], ", index - 1) } else { String::new() };
+                format!(
+                    "[[body]]\nname = \"b{index}\"\nmass = 0.4\ncenter = [0, 0, -0.15]\ninertia = [0.01, 0.01, 0.005]\n\
+                     hinge = {{ type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]], {parent}position = [1.0, 0.4] }}\n"
+                )
+            })
+            .collect();
+        let load = |scale: f64, more: &str| {
+            let force: Vec<f64> = force.iter().map(|x| scale * x).collect();
+            format!("{links}[[force]]\nname = \"push\"\ntype = \"load\"\non = \"b5\"\nforce = {force:?}\n{more}")
+        };
+        let over_time = format!("over_time = {{ times = [0.0, 1.0], values = [{factor:?}, 5.0] }}\n");
+        let [dead, over_time] = [load(factor, ""), load(1.0, &over_time)].map(|text| {
+            let model = scenario::parse("scene.toml", &text, &[]).expect("a sound scene").model;
+            equilibrium(&model, &Settings::default(), &model.start_position).expect("statics")
+        });
+        assert!(over_time.converged && dead.converged, "{:?}", over_time.notes);
+        // The motion that would be looked for without a potential takes thousands.
+        assert!(over_time.iterations < 500, "{} steps", over_time.iterations);
+        let apart = over_time.position.iter().zip(&dead.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-9, "{apart}");
+    }
+}
