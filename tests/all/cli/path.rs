@@ -68,7 +68,7 @@ fn beams_that_are_cut_otherwise_have_no_path_and_no_derivative() {
     let bench = Bench::new();
     bench.write(
         "beam.toml",
-        "[[beam]]\nname = \"b\"\nlength = 1.85\nelements = 4\nmass_per_length = 0.68\n\
+        "[[beam]]\nname = \"b\"\nhinge = { type = \"fixed\" }\nlength = 1.85\nelements = 4\nmass_per_length = 0.68\n\
          section = [{ s = 0.0, stiffness = [2e3, 8e2, 3e2, 44, 35, 22] }, { s = 1.85, stiffness = [1.6e3, 7e2, 2e2, 23, 33, 14] }]\n\
          [[output]]\nname = \"z\"\ntype = \"position\"\nof = \"b.tip\"\naxis = [0, 0, 1]\n",
     );

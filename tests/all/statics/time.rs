@@ -113,7 +113,7 @@ fn loads_over_time_are_what_they_are_at_the_start() {
         };
         let over_time = format!("over_time = {{ times = [0.0, 1.0], values = [{factor:?}, 5.0] }}\n");
         let [dead, over_time] = [load(factor, ""), load(1.0, &over_time)].map(|text| {
-            let model = scenario::parse("scene.toml", &text, &[]).expect("a sound scene").model;
+            let model = build(&scenario::parse("scene.toml", &text, &[]).expect("a sound scene").description);
             equilibrium(&model, &Settings::default(), &model.start_position).expect("statics")
         });
         assert!(over_time.converged && dead.converged, "{:?}", over_time.notes);
