@@ -101,15 +101,8 @@ impl Problem {
             change: 0.0,
             sweeps: 0,
         };
-        let mut place = vec![0; n];
         for own in &islands {
-            own.iter().enumerate().for_each(|(k, i)| place[*i] = k);
-            let part = |i: &usize| self.blocks[*i].iter().map(|(j, block)| (place[*j], *block)).collect();
-            let island = Self {
-                blocks: own.iter().map(part).collect(),
-                rates: own.iter().map(|i| self.rates[*i]).collect(),
-                laws: own.iter().map(|i| self.laws[*i]).collect(),
-            };
+            let island = self.of_island(own);
             let guess: Vec<Vector3<f64>> = own.iter().map(|i| forces[*i]).collect();
             let found = island.solve_together(&guess, tolerance, most);
             for (k, i) in own.iter().enumerate() {
@@ -119,6 +112,17 @@ impl Problem {
             all.sweeps = all.sweeps.max(found.sweeps);
         }
         all
+    }
+
+    /// The problem of an island, whose contacts ascend.
+    fn of_island(&self, own: &[usize]) -> Self {
+        let place = |j: usize| own.binary_search(&j).expect("islands are closed");
+        let part = |i: &usize| self.blocks[*i].iter().map(|(j, block)| (place(*j), *block)).collect();
+        Self {
+            blocks: own.iter().map(part).collect(),
+            rates: own.iter().map(|i| self.rates[*i]).collect(),
+            laws: own.iter().map(|i| self.laws[*i]).collect(),
+        }
     }
 
     /// Whether a contact slides so that pressing harder does not lift it (Painlevé).

@@ -157,8 +157,7 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     }
     if summary.capture_steps > 0 {
         let steps = count(summary.capture_steps, "step", "steps");
-        let _ =
-            writeln!(out, "  captured     {steps} of order 1 where contacts changed too often to follow their events");
+        let _ = writeln!(out, "  captured     {steps} of order 1 where contacts were not followed from event to event");
     }
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");

@@ -9,8 +9,8 @@
 //! (O'Donoghue, Candès, "Adaptive restart for accelerated gradient schemes", 2015). What is returned are forces of a sweep: each of them obeys
 //! its law.
 
-use super::Problem;
 use super::local::{Inverse, local};
+use super::{FIRST_ATTEMPT, Problem, State};
 use nalgebra::{Matrix3, Vector3};
 
 /// β in (3): without a bound, forces of thousands of contacts grow again after a hundred sweeps.
@@ -24,6 +24,8 @@ const SLOWEST: f64 = 0.999;
 /// As many sweeps are cheap: they go on to this part of what is wanted.
 const CHEAP: usize = 24;
 const FINER: f64 = 1e-3;
+/// Islands up to this size try the equations of their states (`states`), too: a few points on one body are slow to sweep and quick to solve.
+const FEW: usize = 20;
 /// What may be left of rates if sweeps end, in parts of what is wanted.
 const ENOUGH: f64 = 10.0;
 
@@ -69,14 +71,22 @@ impl Problem {
         let mut momentum = Momentum::new(island.iter().map(|i| forces[*i]).collect());
         let mut before = [f64::INFINITY; SPAN];
         let mut left = f64::INFINITY;
+        let mut states = vec![State::Open; island.len()];
+        let mut attempt = if island.len() <= FEW { FIRST_ATTEMPT } else { usize::MAX };
         for sweep in 0..most {
-            let missed = self.sweep(island, own, forces);
+            let (missed, steady) = self.sweep(island, own, forces, &mut states);
             let slot = &mut before[sweep % SPAN];
             let then = std::mem::replace(slot, missed);
             let converges = if sweep < SPAN { EARLY } else { (missed / then).powf(1.0 / SPAN as f64).min(SLOWEST) };
             left = missed / (1.0 - converges);
             if left <= FINER * rates || !left.is_finite() || (sweep >= CHEAP && left <= rates) {
                 break;
+            }
+            if sweep >= attempt && steady {
+                attempt = 3 * sweep;
+                if self.polish_island(island, forces, &states) {
+                    return true;
+                }
             }
             if sweep + 1 < most {
                 momentum.carry(island, forces);
@@ -85,19 +95,28 @@ impl Problem {
         left <= ENOUGH * rates
     }
 
-    /// One sweep; returns the largest change of a rate by that of its own force.
-    fn sweep(&self, island: &[usize], own: &[Own], forces: &mut [Vector3<f64>]) -> f64 {
-        let mut missed = 0.0_f64;
-        for &i in island {
+    /// Solves the equations of the states of an island, if these are the right ones.
+    fn polish_island(&self, island: &[usize], forces: &mut [Vector3<f64>], states: &[State]) -> bool {
+        let near: Vec<Vector3<f64>> = island.iter().map(|i| forces[*i]).collect();
+        let Some(found) = self.of_island(island).polished(&near, states) else { return false };
+        island.iter().zip(found).for_each(|(i, force)| forces[*i] = force);
+        true
+    }
+
+    /// One sweep; returns the largest change of a rate by that of its own force, and whether no state has changed.
+    fn sweep(&self, island: &[usize], own: &[Own], forces: &mut [Vector3<f64>], states: &mut [State]) -> (f64, bool) {
+        let (mut missed, mut steady) = (0.0_f64, true);
+        for (&i, before) in island.iter().zip(states) {
             let mut rate = self.rates[i];
             self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
-            let (force, _) = local(&own[i].block, &own[i].inverse, &rate, &self.laws[i], &forces[i]);
+            let (force, state) = local(&own[i].block, &own[i].inverse, &rate, &self.laws[i], &forces[i]);
             let change = (own[i].block * (force - forces[i])).amax();
             // What is no number is kept: `max` would lose it.
             missed = if change > missed || change.is_nan() { change } else { missed };
-            forces[i] = force;
+            steady &= *before == state;
+            (forces[i], *before) = (force, state);
         }
-        missed
+        (missed, steady)
     }
 }
 

@@ -123,13 +123,19 @@ impl Capture {
     /// A state that cannot be evaluated.
     fn attempt(&self, motion: &mut Motion, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
-        let fine = FOUND * self.tolerance * motion.model().length_scale();
+        let Some([smallest, largest]) = motion.contacts.as_ref().map(|contacts| contacts.lengths) else {
+            unreachable!("captured steps are of contacts")
+        };
+        let fine = FOUND * self.tolerance * smallest;
         let whole = moreau(motion, time, [q, v], step, &warm, fine)?;
         let first = moreau(motion, time, [q, v], 0.5 * step, &warm, fine)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
         let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces, fine)?;
         let (scales, _) = motion.scales();
-        let off = whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
+        let length = motion.model().length_scale();
+        let scale = |scale: f64| if scale == length { largest } else { scale };
+        let off =
+            whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), own)| (a - b).abs() / scale(*own));
         let error = off.fold(0.0, f64::max) / self.tolerance;
         made.lost += first.lost;
         made.work += first.work;
@@ -282,6 +288,11 @@ impl Contacts {
     pub(in crate::simulate) fn end_capture(&mut self) {
         self.regime = Regime::Events;
         self.closing = CLOSES;
+    }
+
+    /// Energy that captured contacts took out in the last step and that is not booked yet (J).
+    pub(in crate::simulate) fn not_booked(&self) -> f64 {
+        self.memory.lost.max(0.0)
     }
 
     /// Energy that captured contacts took out and that drives put into their impulses since this was last asked (J).

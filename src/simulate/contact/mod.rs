@@ -159,6 +159,9 @@ pub(super) struct Contacts {
     accepted: usize,
     /// A gap below this part of a shape's size is none.
     closing: f64,
+    /// Sizes of the smallest and of the largest shape that may touch, no more than the scene's length (m): what is far away has no say in how well
+    /// contacts are followed.
+    lengths: [f64; 2],
 }
 
 /// Speeds below this part of the scene's are none where what touches slips.
@@ -180,6 +183,11 @@ impl Contacts {
         let speed = model.length_scale() / model.time_scale();
         let acceleration = model.gravity.norm().max(speed / model.time_scale());
         let pairs = Pairs::new(model)?;
+        let sizes = || pairs.pieces.iter().map(|piece| piece.size).filter(|size| size.is_finite() && *size > 0.0);
+        let length = model.length_scale();
+        let largest = sizes().fold(0.0, f64::max);
+        let largest = if largest > 0.0 { largest.min(length) } else { length };
+        let lengths = [sizes().fold(largest, f64::min), largest];
         let mass: f64 = model.links.iter().map(|link| link.mass).fold(0.0, f64::max);
         Ok(Self {
             model: Arc::clone(model),
@@ -203,6 +211,7 @@ impl Contacts {
             recent: VecDeque::new(),
             accepted: 0,
             closing,
+            lengths,
         })
     }
 

@@ -172,10 +172,10 @@ impl Ledger {
     }
 
     /// The ledger of a state on the way through a captured step, whose impacts are booked at its end: what they have taken out so far is what
-    /// this state has less.
-    pub(in crate::simulate) fn on_the_way(&self, now: &Energies) -> Energy {
+    /// this state has less, between nothing and all that they do (J). The balance is that of the last step's end.
+    pub(in crate::simulate) fn on_the_way(&self, now: &Energies, impacts: f64) -> Energy {
         let Energy { work, error, .. } = self.energy(now);
-        let dissipated = self.dissipated + self.error - error;
+        let dissipated = self.dissipated + (self.error - error).clamp(0.0, impacts);
         Energy { kinetic: now.kinetic, potential: now.potential, work, dissipated, error: self.error }
     }
 }

@@ -144,8 +144,11 @@ impl Sampler {
         couplings::fill(&mut at, &self.accelerations, &mut self.couplings);
         at.poses(&mut self.poses);
         let energies = motion.energies(time, q, v);
-        let captured = motion.is_captured();
-        let energy = if captured { ledger.on_the_way(&energies) } else { ledger.close(&energies) };
+        let captured = motion.contacts.as_ref().filter(|contacts| contacts.is_captured());
+        let energy = match captured.map(|contacts| contacts.not_booked()) {
+            Some(impacts) => ledger.on_the_way(&energies, impacts),
+            None => ledger.close(&energies),
+        };
         let outputs = match &mut self.outputs {
             Some(outputs) => outputs.at(motion, time, state, [energy.work, energy.dissipated]).map_err(fault)?,
             None => &[],
