@@ -26,10 +26,8 @@ const ALIKE: f64 = 0.5;
 const MOST_TURNS: usize = 20;
 /// Sweeps of the cone problem until the states of its contacts are tried, more of them each time: they may be right long before its forces are.
 const SWEEPS: [usize; 3] = [200, 5_000, 50_000];
-/// Forces that change by less than this part in a sweep tell what gives way, which accelerates by more than that part of the largest
-/// acceleration: friction at its limit is [`LESS`] by more.
-const SETTLED: f64 = 1e-10;
-const GIVES: f64 = 1e-8;
+/// Forces that change by less than this part in a sweep tell what slips.
+const SETTLED: f64 = 1e-6;
 /// The whole scene rests if nothing accelerates by more than this part of the scene's own acceleration: what forces within cones balance.
 const STILL: f64 = 1e-8;
 
@@ -219,7 +217,7 @@ impl Contacts {
         let mut problem = problem(&frames, &answers, rates, self.laws(&frames, less));
         let mut forces = vec![Vector3::zeros(); frames.len()];
         let touching = std::mem::take(&mut self.closed);
-        let gives = frames.iter().map(|frame| self.law(frame.key.couple).friction).any(|of| of.slide < of.stick);
+        let gives = less < 0.0 && frames.iter().any(|frame| self.gives(frame));
         let mut tried = 0;
         while let Some(sweeps) = SWEEPS.get(tried) {
             let found = problem.solve(&forces, FOUND, *sweeps);
@@ -231,11 +229,8 @@ impl Contacts {
                 return Err(Trouble::Contact { between: self.between(frames[worst].key.couple), why: why.to_owned() });
             }
             tried += 1;
-            if gives && found.change > SETTLED && tried < SWEEPS.len() {
-                forces = found.forces;
-                continue;
-            }
-            if gives && self.give_way(&frames, &found, size, &mut problem) {
+            let settled = found.change <= SETTLED || tried == SWEEPS.len();
+            if gives && settled && self.give_way(&frames, &found, size, &mut problem) {
                 (forces, tried) = (found.forces, 0);
                 continue;
             }
@@ -249,11 +244,16 @@ impl Contacts {
         Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why })
     }
 
-    /// Where friction at rest is more than in motion, each contact holds with what it has at rest until an answer says that it slips: from then
-    /// on it has what it has in motion. True if that is so of any that it was not so of before.
+    /// Whether friction at rest is more than in motion.
+    pub(super) fn gives(&self, frame: &Frame) -> bool {
+        let friction = self.law(frame.key.couple).friction;
+        friction.slide < friction.stick
+    }
+
+    /// Where friction at rest is more than in motion and nothing has reached its limit, each contact holds with what it has at rest until an
+    /// answer says that it slips: from then on it has what it has in motion. True if that is so of any that it was not so of before.
     fn give_way(&self, frames: &[Frame], found: &Answer, size: f64, problem: &mut Problem) -> bool {
-        let least = if found.change <= SETTLED { GIVES } else { slips(found) } * size;
-        let mut any = false;
+        let (least, mut any) = (slips(found) * size, false);
         let gives = |k: usize| found.states[k] == Did::Slip && found.rates[k].yz().norm() > least;
         for (k, frame) in frames.iter().enumerate().filter(|(k, _)| gives(*k)) {
             let moving = self.law(frame.key.couple).friction.slide;

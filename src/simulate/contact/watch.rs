@@ -195,7 +195,8 @@ impl Contacts {
                     let stick = friction.stick * (1.0 - less);
                     Law::Coulomb {
                         stick,
-                        slide: if friction.slide < friction.stick { stick } else { stick.min(friction.slide) },
+                        // What has not reached its limit may hold.
+                        slide: if less < 0.0 && self.gives(frame) { stick } else { stick.min(friction.slide) },
                     }
                 }
             }

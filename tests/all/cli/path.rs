@@ -76,8 +76,7 @@ fn beams_that_are_cut_otherwise_have_no_path_and_no_derivative() {
     let answer = bench.call(&["statics", "beam.toml", "--set", path]).code(2);
     assert!(answer.err.contains("another number of elements"), "{}", answer.err);
     let answer = bench.call(&["statics", "beam.toml", "--sensitivity", "z", "--json"]).code(0).json();
-    let by = &answer["sensitivity"];
-    assert!(by.is_object() || by.is_array(), "{answer}");
+    assert!(!answer["sensitivities"].is_null(), "{answer}");
 }
 
 #[test]
