@@ -79,6 +79,12 @@ pub(crate) struct Answer {
     pub(crate) sweeps: usize,
 }
 
+/// `A` at each contact by itself.
+struct Own {
+    block: Matrix3<f64>,
+    inverse: Inverse,
+}
+
 /// After so many sweeps, and three times as many each time, the equations of the states are solved: they may be right long before
 /// the forces are.
 const FIRST_ATTEMPT: usize = 12;
@@ -166,17 +172,14 @@ impl Problem {
 
     fn solve_together(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize) -> Answer {
         let n = self.rates.len();
-        let own: Vec<Matrix3<f64>> = (0..n).map(|i| self.own(i)).collect();
-        let inverse: Vec<Inverse> = own.iter().map(Inverse::of).collect();
+        let own: Vec<Own> = (0..n).map(|i| self.alone(i)).collect();
         let mut forces = forces.to_vec();
         let mut states = vec![State::Open; n];
         let (mut change, mut sweeps, mut attempt) = (f64::INFINITY, 0, FIRST_ATTEMPT);
         while sweeps < most && change > tolerance {
             let (mut moved, mut largest, mut steady) = (0.0_f64, f64::MIN_POSITIVE, true);
             for i in 0..n {
-                let mut rate = self.rates[i];
-                self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
-                let (force, state) = local(&own[i], &inverse[i], &rate, &self.laws[i], &forces[i]);
+                let (force, state) = self.answer(i, &own[i], &forces);
                 moved = moved.max((force - forces[i]).amax());
                 largest = largest.max(force.amax());
                 steady &= states[i] == state;
@@ -194,6 +197,18 @@ impl Problem {
         }
         let rates = (0..n).map(|i| self.rate(i, &forces)).collect();
         Answer { forces, rates, states, change, sweeps }
+    }
+
+    fn alone(&self, i: usize) -> Own {
+        let block = self.own(i);
+        Own { block, inverse: Inverse::of(&block) }
+    }
+
+    /// The force and the state of a contact by (2) with the forces of all others.
+    fn answer(&self, i: usize, own: &Own, forces: &[Vector3<f64>]) -> (Vector3<f64>, State) {
+        let mut rate = self.rates[i];
+        self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
+        local(&own.block, &own.inverse, &rate, &self.laws[i], &forces[i])
     }
 
     fn own(&self, i: usize) -> Matrix3<f64> {

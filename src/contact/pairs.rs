@@ -265,11 +265,11 @@ impl Pairs {
         self.pieces[piece].solid.placed(&self.poses[piece])
     }
 
-    /// Adds the contacts of a couple whose gap is below `far` (m), each place once.
-    pub(crate) fn facing(&self, couple: usize, far: f64, found: &mut Vec<(Key, Meeting)>) {
+    /// Adds the contacts of a couple that count to `loose` (parts of its size) and whose gap is below `far` (m), each place once.
+    pub(crate) fn facing(&self, couple: usize, loose: f64, far: f64, found: &mut Vec<(Key, Meeting)>) {
         let (first, size) = (found.len(), self.couples[couple].size);
         let overlap = std::cell::OnceCell::new();
-        self.meetings(couple, LOOSE * size, far, |meeting| {
+        self.meetings(couple, loose * size, far, |meeting| {
             let depth = || *overlap.get_or_init(|| self.depth(couple));
             let counts = meeting.gap > -SHALLOW * size || meeting.gap >= -DEEPER * depth();
             let double = |(_, other): &(Key, Meeting)| {

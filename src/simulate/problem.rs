@@ -384,7 +384,7 @@ impl Problem for Motion {
             moved = settled.moved;
         }
         match &mut self.contacts {
-            Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v, true)? || moved),
+            Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v)? || moved),
             None => Ok(moved),
         }
     }

@@ -9,9 +9,8 @@
 //! (O'Donoghue, Candès, "Adaptive restart for accelerated gradient schemes", 2015). What is returned are forces of a sweep: each of them obeys
 //! its law.
 
-use super::local::{Inverse, local};
-use super::{FIRST_ATTEMPT, Problem, State};
-use nalgebra::{Matrix3, Vector3};
+use super::{FIRST_ATTEMPT, Own, Problem, State};
+use nalgebra::Vector3;
 
 /// β in (3): without a bound, forces of thousands of contacts grow again after a hundred sweeps.
 const MOST: f64 = 0.8;
@@ -38,21 +37,11 @@ pub(crate) struct Swept {
     pub(crate) found: bool,
 }
 
-/// `A` at each contact by itself.
-struct Own {
-    block: Matrix3<f64>,
-    inverse: Inverse,
-}
-
 impl Problem {
     /// Sweeps with momentum, `most` times at most, until the rates of what touches each other are within `rates` of where they
     /// lead, as far as the rate at which they converge tells.
     pub(crate) fn sweep_to(&self, guess: &[Vector3<f64>], rates: f64, most: usize) -> Swept {
-        let own = |i: usize| {
-            let block = self.own(i);
-            Own { block, inverse: Inverse::of(&block) }
-        };
-        let own: Vec<Own> = (0..self.rates.len()).map(own).collect();
+        let own: Vec<Own> = (0..self.rates.len()).map(|i| self.alone(i)).collect();
         let mut swept = Swept { forces: guess.to_vec(), found: true };
         for island in self.islands() {
             swept.found &= self.sweep_island(&island, &own, &mut swept.forces, rates, most);
@@ -107,9 +96,7 @@ impl Problem {
     fn sweep(&self, island: &[usize], own: &[Own], forces: &mut [Vector3<f64>], states: &mut [State]) -> (f64, bool) {
         let (mut missed, mut steady) = (0.0_f64, true);
         for (&i, before) in island.iter().zip(states) {
-            let mut rate = self.rates[i];
-            self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
-            let (force, state) = local(&own[i].block, &own[i].inverse, &rate, &self.laws[i], &forces[i]);
+            let (force, state) = self.answer(i, &own[i], forces);
             let change = (own[i].block * (force - forces[i])).amax();
             // What is no number is kept: `max` would lose it.
             missed = if change > missed || change.is_nan() { change } else { missed };

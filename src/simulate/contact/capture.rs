@@ -32,6 +32,9 @@ const SHORTEST: f64 = 1e-5;
 /// Positions of a step and of its halves differ by no more than the root of a run's tolerance, within these bounds (parts of the
 /// scene's length): half the digits, as the order is one.
 const COARSE: [f64; 2] = [1e-5, 2e-3];
+/// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
+/// their contact to a turn of 1e-7.
+const ASKEW: f64 = 1e-4;
 /// A gap below this part of a shape's size is none for the events that take over.
 const CLOSES: f64 = 1e-4;
 /// Rates of contacts are found to this part of what makes a difference of positions as large as it may be in a step, or as far as so many
@@ -100,8 +103,9 @@ struct Made {
 /// The stepper of (1).
 pub(in crate::simulate) struct Capture {
     progress: Progress,
-    /// Positions may differ by this, in parts of their scales.
+    /// Positions may differ by this, in parts of these scales.
     tolerance: f64,
+    scales: Vec<f64>,
     before: (Vec<f64>, Vec<f64>),
     next: Vec<f64>,
 }
@@ -114,7 +118,13 @@ impl Capture {
     pub(in crate::simulate) fn new(motion: &Motion, start: Start<'_>, tolerance: f64) -> Result<Self, StepError> {
         let before = (start.position.to_vec(), start.velocity.to_vec());
         let progress = Progress::new(motion, start)?;
-        Ok(Self { progress, tolerance: tolerance.sqrt().clamp(COARSE[0], COARSE[1]), before, next: Vec::new() })
+        let (mut scales, model) = (motion.scales().0.to_vec(), motion.model());
+        if let Some(contacts) = &motion.contacts {
+            let slides = model.links.iter().filter(|link| link.joint.is_distance());
+            slides.for_each(|link| scales[link.position] = contacts.lengths[1]);
+        }
+        let tolerance = tolerance.sqrt().clamp(COARSE[0], COARSE[1]);
+        Ok(Self { progress, tolerance, scales, before, next: Vec::new() })
     }
 
     /// A step and its halves, which are what is kept.
@@ -123,19 +133,14 @@ impl Capture {
     /// A state that cannot be evaluated.
     fn attempt(&self, motion: &mut Motion, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
-        let Some([smallest, largest]) = motion.contacts.as_ref().map(|contacts| contacts.lengths) else {
-            unreachable!("captured steps are of contacts")
-        };
+        let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
         let whole = moreau(motion, time, [q, v], step, &warm, fine)?;
         let first = moreau(motion, time, [q, v], 0.5 * step, &warm, fine)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
         let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces, fine)?;
-        let (scales, _) = motion.scales();
-        let length = motion.model().length_scale();
-        let scale = |scale: f64| if scale == length { largest } else { scale };
-        let off =
-            whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), own)| (a - b).abs() / scale(*own));
+        let both = whole.position.iter().zip(&made.position);
+        let off = both.zip(&self.scales).map(|((a, b), scale)| (a - b).abs() / scale);
         let error = off.fold(0.0, f64::max) / self.tolerance;
         made.lost += first.lost;
         made.work += first.work;
@@ -374,19 +379,31 @@ impl Contacts {
 
     /// Frames of all pairs whose gap is at most what velocities make up in a step.
     fn ahead(&mut self, motion: &crate::motion::Motion, h: f64) -> Vec<Frame> {
-        frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let fall = h * self.model.gravity.norm();
-        let mut found: Vec<(Key, Meeting)> = Vec::new();
         let speeds: Vec<_> = (0..self.pairs.pieces.len()).map(|piece| self.pairs.speed(piece, motion)).collect();
         let margins: Vec<f64> = speeds.iter().map(|(v, turning)| h * (v.norm() + turning + fall)).collect();
-        for couple in self.pairs.near(&margins) {
-            let [a, b] = self.pairs.couples[couple].pieces.map(|piece| speeds[piece]);
-            let reach = h * ((a.0 - b.0).norm() + a.1 + b.1 + fall);
-            if self.pairs.apart(couple) > reach {
-                continue;
+        self.within(motion, &margins, |[a, b]| {
+            let (a, b) = (speeds[a], speeds[b]);
+            h * ((a.0 - b.0).norm() + a.1 + b.1 + fall)
+        })
+    }
+
+    /// Frames of all pairs of features whose gap is at most what `reach` says of their shapes (m), of shapes within `margins` of each other
+    /// (m); they are placed.
+    pub(super) fn within(
+        &mut self,
+        motion: &crate::motion::Motion,
+        margins: &[f64],
+        reach: impl Fn([usize; 2]) -> f64,
+    ) -> Vec<Frame> {
+        frame::carried(motion, &self.model, &mut self.carried);
+        let mut found: Vec<(Key, Meeting)> = Vec::new();
+        for couple in self.pairs.near(margins) {
+            let reach = reach(self.pairs.couples[couple].pieces);
+            if self.pairs.apart(couple) <= reach {
+                self.pairs.facing(couple, ASKEW, reach, &mut found);
             }
-            self.pairs.facing(couple, reach, &mut found);
         }
         let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
         found.into_iter().map(frame).collect()

@@ -194,7 +194,7 @@ impl Contacts {
         let mut a = vec![0.0; state.velocity.len()];
         let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
         self.choose(&mut mass);
-        self.project(system, time, &mut state.position, &mut state.velocity, false).map(drop)
+        self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
     }
 
     /// The states of closed contacts, by one cone problem on accelerations.

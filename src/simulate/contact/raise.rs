@@ -10,9 +10,7 @@
 use super::blocks::Blocks;
 use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::Frame;
-use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
-use crate::contact::pairs::Key;
 use crate::dynamics::{Fault, System};
 use crate::simulate::problem::Motion;
 use nalgebra::Vector3;
@@ -115,19 +113,11 @@ impl Motion {
 impl super::Contacts {
     /// Frames of all contacts that are nearer than what has sunk deepest.
     fn sunk_ahead(&mut self, motion: &crate::motion::Motion) -> Vec<Frame> {
-        crate::contact::frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let still = vec![0.0; self.pairs.pieces.len()];
         let deepest = self.pairs.near(&still).into_iter().map(|couple| self.pairs.depth(couple)).fold(0.0, f64::max);
         let far = NEAR * deepest;
         let margins = vec![far; self.pairs.pieces.len()];
-        let mut found: Vec<(Key, Meeting)> = Vec::new();
-        for couple in self.pairs.near(&margins) {
-            if self.pairs.apart(couple) <= far {
-                self.pairs.facing(couple, far, &mut found);
-            }
-        }
-        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
-        found.into_iter().map(frame).collect()
+        self.within(motion, &margins, |_| far)
     }
 }

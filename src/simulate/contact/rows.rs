@@ -13,9 +13,6 @@ use std::cell::OnceCell;
 const RANK: f64 = 1e-9;
 /// Rows that answer to what they push with by less than this part of those that answer the most do so by rounding, beside loops and drives.
 const IMMOVABLE: f64 = 1e-13;
-/// A row that is missed by more than so many times what is a slip has not drifted: its place has jumped, as that of a disc which lies down
-/// goes to the other side of its rim. The events that are behind the step tell what happens there.
-const JUMPED: f64 = 100.0;
 /// Rounds of a projection of positions.
 const MOST_ROUNDS: usize = 6;
 
@@ -171,8 +168,7 @@ impl Contacts {
         (0..3).filter(|k| row.measures[*k] != 0.0).map(|k| row.measures[k] * along(&frame.columns[k], x)).sum()
     }
 
-    /// Brings a state back onto closed contacts; whether that changed it. If it has `drifted` in a step, nothing is done where it has jumped.
-    /// The system has been evaluated there.
+    /// Brings a state back onto closed contacts after a step; whether that changed it. The system has been evaluated there.
     ///
     /// # Errors
     /// A system that cannot be evaluated.
@@ -182,7 +178,6 @@ impl Contacts {
         time: f64,
         q: &mut [f64],
         v: &mut [f64],
-        drifted: bool,
     ) -> Result<bool, Fault> {
         if self.closed.is_empty() || self.is_at_rest() {
             return Ok(false);
@@ -191,10 +186,6 @@ impl Contacts {
         let (mut moved, mut rounds) = (false, 0);
         loop {
             let mut mass = self.refresh(system, time, q, v, &mut scratch)?;
-            let jumped = |row: &Row| self.frames[row.of].speed.dot(&row.measures).abs() > JUMPED * self.kept;
-            if drifted && rounds == 0 && self.kept_rows().iter().any(jumped) {
-                return Ok(false);
-            }
             let off = |(closed, frame): (&Closed, &Frame)| match closed.state {
                 ContactState::Spare => 0.0,
                 _ if !self.is_rigid(closed.key.couple) => 0.0,

@@ -16,7 +16,7 @@ use super::Unanswered;
 use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{Column, Frame, along, carried};
 use crate::contact::hinges::{self, Id, Support};
-use crate::contact::pairs::Pairs;
+use crate::contact::pairs::{LOOSE, Pairs};
 use crate::dynamics::System;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -329,7 +329,7 @@ impl Search<'_, '_> {
         let mut found = Vec::new();
         let margins = vec![self.longest; self.pairs.pieces.len()];
         for couple in self.pairs.near(&margins) {
-            self.pairs.facing(couple, 2.0 * self.longest, &mut found);
+            self.pairs.facing(couple, LOOSE, 2.0 * self.longest, &mut found);
         }
         let contact = |(key, meeting)| {
             let frame = Frame::new(&self.model, motion, &self.pairs, &links, key, meeting, None);

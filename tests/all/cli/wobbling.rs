@@ -58,8 +58,7 @@ fn a_disc_wobbles_about_its_resting_centre_by_events() {
     }
 }
 
-/// Captured steps follow the rim to their tolerance, the root of the run's (of the scene's length, which the spheres make a hundred
-/// metres), and with order 2: of several discs, as the errors of one may cancel.
+/// Captured steps follow the rim to their tolerance, the root of the run's (in parts of the largest shape), and with order 2: of several discs, as the errors of one may cancel.
 #[test]
 fn a_disc_wobbles_about_its_resting_centre_by_captured_steps() {
     let (bench, mut random) = (Bench::new(), Random::new(42));
