@@ -211,7 +211,8 @@ impl Problem {
         local(&own.block, &own.inverse, &rate, &self.laws[i], &forces[i])
     }
 
-    fn own(&self, i: usize) -> Matrix3<f64> {
+    /// What a contact answers to its own force.
+    pub(crate) fn own(&self, i: usize) -> Matrix3<f64> {
         self.blocks[i].iter().find(|(j, _)| *j == i).map_or_else(Matrix3::zeros, |(_, block)| *block)
     }
 

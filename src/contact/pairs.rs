@@ -69,6 +69,20 @@ pub(crate) struct Piece {
     pub(crate) size: f64,
 }
 
+/// A ball around a piece and its margin (m).
+struct Span {
+    middle: Vector3<f64>,
+    half: f64,
+    piece: usize,
+}
+
+impl Span {
+    /// Where it begins and ends along an axis (m).
+    fn ends(&self, axis: usize) -> [f64; 2] {
+        [self.middle[axis] - self.half, self.middle[axis] + self.half]
+    }
+}
+
 /// Two shapes that a rule lets touch, in its order.
 #[derive(Debug, Clone)]
 pub(crate) struct Couple {
@@ -196,15 +210,16 @@ impl Pairs {
         };
         let axis = (0..3).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
         let half = |i: usize| self.pieces[i].reach + margins[i];
-        let mut spans: Vec<(f64, f64, usize)> =
-            finite.iter().map(|i| (self.middle(*i)[axis] - half(*i), self.middle(*i)[axis] + half(*i), *i)).collect();
-        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut spans: Vec<Span> =
+            finite.iter().map(|i| Span { middle: self.middle(*i), half: half(*i), piece: *i }).collect();
+        spans.sort_by(|a, b| a.ends(axis)[0].total_cmp(&b.ends(axis)[0]));
         let mut found = Vec::new();
-        for (at, (_, end, i)) in spans.iter().enumerate() {
-            for (_, _, j) in spans[at + 1..].iter().take_while(|(start, ..)| start <= end) {
-                let within = half(*i) + half(*j);
-                if (self.middle(*i) - self.middle(*j)).norm_squared() <= within * within {
-                    found.extend(self.couple_of(*i, *j));
+        for (at, one) in spans.iter().enumerate() {
+            let end = one.ends(axis)[1];
+            for other in spans[at + 1..].iter().take_while(|other| other.ends(axis)[0] <= end) {
+                let within = one.half + other.half;
+                if (one.middle - other.middle).norm_squared() <= within * within {
+                    found.extend(self.couple_of(one.piece, other.piece));
                 }
             }
         }

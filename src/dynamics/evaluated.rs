@@ -63,7 +63,8 @@ impl Evaluated<'_> {
 
     /// Wrenches of the force elements and hinge forces.
     fn gather(&mut self) {
-        let System { model, laws, motion, applied, tau, pressed, pushes, time, constraints, .. } = &mut *self.system;
+        let System { model, laws, motion, applied, tau, pressed, pressed_hinges, pushes, time, constraints, .. } =
+            &mut *self.system;
         if !model.forces.is_empty() || constraints.is_some() || !pressed.is_empty() {
             applied::apply(laws, motion, applied);
         }
@@ -74,6 +75,7 @@ impl Evaluated<'_> {
             applied::motor::apply(model, pushes, tau);
         }
         laws.phase.apply(model, self.q, self.v, tau);
+        tau.iter_mut().zip(pressed_hinges).for_each(|(tau, pressed)| *tau += *pressed);
     }
 
     /// `a ← q̈(t, q, v)`, in O(n); with the factorization that gave it.
@@ -243,6 +245,11 @@ impl Factorized<'_> {
     /// Adds to what contacts push a link with, at its root marker, in evaluations to come.
     pub(crate) fn press(&mut self, link: usize, wrench: Wrench) {
         self.system.pressed[link] += wrench;
+    }
+
+    /// Adds a force in a velocity coordinate (N or N m) to what contacts push with.
+    pub(crate) fn press_hinge(&mut self, velocity: usize, force: f64) {
+        self.system.pressed_hinges[velocity] += force;
     }
 
     /// `x ← M⁻¹ rhs`.

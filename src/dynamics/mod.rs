@@ -45,6 +45,7 @@ pub use crate::constraint::{HeldRow, RowSelection};
 use crate::force::Act;
 use crate::model::Model;
 use crate::model::motor::Push;
+use crate::model::problem::number;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::balance::Balance;
@@ -72,8 +73,10 @@ pub struct System {
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
-    /// What contacts push links with, at their root markers; empty without contact.
+    /// What contacts push links with, at their root markers, and what captured stops and dry friction push hinges with; empty without
+    /// contact.
     pressed: Vec<Wrench>,
+    pressed_hinges: Vec<f64>,
     /// What motors and curves push with, in the order of [`Model::pushed`].
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
@@ -99,7 +102,8 @@ pub enum Fault {
     },
     /// A loop that opens, or a drive or gear that cannot be followed.
     #[error(
-        "{element} cannot be closed: a gap of {gap:.3e} m remains (a position that cannot be reached or where the mechanism is singular)"
+        "{element} cannot be closed: a gap of {} m remains (a position that cannot be reached or where the mechanism is singular)",
+        number(*.gap)
     )]
     Open {
         /// Which.
@@ -109,7 +113,8 @@ pub enum Fault {
     },
     /// A row that depended linearly on others at the start and no longer does.
     #[error(
-        "{element} opens by {gap:.3e} m in a condition that depended on others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)"
+        "{element} opens by {} m in a condition that depended on others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)",
+        number(*.gap)
     )]
     Independent {
         /// Which.
@@ -119,8 +124,8 @@ pub enum Fault {
     },
     /// A body beyond the end of the curve that it is guided along.
     #[error(
-        "`{body}` rests nowhere on its curve, which goes from {} m to {} m: the search leaves it at {at} m; give the hinge \
-         `limits`, or another `position` to start from", .range[0], .range[1]
+        "`{body}` rests nowhere on its curve, which goes from {} m to {} m: the search leaves it at {} m; give the hinge \
+         `limits`, or another `position` to start from", number(.range[0]), number(.range[1]), number(*.at)
     )]
     BeyondCurve {
         /// The body.
@@ -146,7 +151,7 @@ pub enum Fault {
         method: &'static str,
     },
     /// A formula of a drive or motor without a finite value or derivative.
-    #[error("the formula `{text}` of {element} has no finite value or derivative at t = {time} s")]
+    #[error("the formula `{text}` of {element} has no finite value or derivative at t = {} s", number(*.time))]
     Formula {
         /// Which.
         element: String,
@@ -245,6 +250,7 @@ impl System {
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
             pressed: vec![Wrench::ZERO; if model.contacts.is_empty() { 0 } else { n }],
+            pressed_hinges: vec![0.0; if model.contacts.is_empty() { 0 } else { model.velocity_count() }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
             is_timed: model.table_times().next().is_some(),
@@ -277,7 +283,7 @@ impl System {
 
     /// [`System::at`] without what contacts pushed with so far.
     pub(crate) fn at_without_contact<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
-        self.pressed.fill(Wrench::ZERO);
+        self.let_go_of_contacts();
         self.at(time, q, v)
     }
 
@@ -320,10 +326,10 @@ impl System {
         &mut self.laws.phase
     }
 
-    /// Wrenches on links at their root markers that evaluations take in from now on: what contacts push with. Empty for a model
-    /// without contact.
-    pub(crate) fn pressed(&mut self) -> &mut [Wrench] {
-        &mut self.pressed
+    /// Forgets what contacts push with: evaluations take that in until then.
+    pub(crate) fn let_go_of_contacts(&mut self) {
+        self.pressed.fill(Wrench::ZERO);
+        self.pressed_hinges.fill(0.0);
     }
 
     /// Where every link is and how fast it moves, at the last place.

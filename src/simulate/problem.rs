@@ -2,6 +2,7 @@
 
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
+use crate::model::problem::number;
 use crate::model::{End, Model, StopSide};
 use crate::simulate::contact::Contacts;
 use crate::simulate::coordinates::Coordinates;
@@ -11,7 +12,6 @@ use crate::simulate::passage::Passage;
 use crate::simulate::state::State;
 use crate::simulate::stops::nonsmooth::{Holding, Nonsmooth, within};
 use crate::simulate::stride::Stride;
-use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -121,7 +121,7 @@ impl Motion {
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         let mut mass = if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
-            self.system.pressed().fill(Wrench::ZERO);
+            self.system.let_go_of_contacts();
             passage.accelerations(&mut self.system, time, q, v, a)?;
             if self.contacts.is_none() {
                 return Ok(());
@@ -263,6 +263,9 @@ impl Motion {
     /// coordinate that rests on a stop and has dry friction is held by both: the sum is not split.
     pub(super) fn stop_forces(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
+        if let Some(contacts) = &self.contacts {
+            contacts.stop_forces(out);
+        }
         let Some(nonsmooth) = &self.nonsmooth else { return };
         for side in &self.system.phase().pushing {
             let stop = &nonsmooth.model.stops[side.stop];
@@ -296,6 +299,22 @@ impl Motion {
             }
         }
         Ok(())
+    }
+
+    /// Whether no shapes have sunk into each other between events: not all pairs of features have a gap.
+    ///
+    /// # Errors
+    /// [`RunError::Touch`].
+    pub(super) fn guard_shapes(&mut self, time: f64, state: &State) -> Result<(), RunError> {
+        let Self { contacts: Some(contacts), system, .. } = self else { return Ok(()) };
+        if contacts.is_captured() || contacts.is_at_rest() {
+            return Ok(());
+        }
+        system.at(time, &state.position, &state.velocity);
+        let Some((between, depth)) = contacts.sunk(system) else { return Ok(()) };
+        let part = number(100.0 * depth);
+        let why = format!("one is inside the other by {part} % of their size, where none of their features meet");
+        Err(RunError::Touch { time, between, why })
     }
 
     /// A rigid stop may be passed by this and no more (m or rad).

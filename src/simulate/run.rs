@@ -241,6 +241,7 @@ impl<'m, 'f> Run<'m, 'f> {
         }
         run.arm(motion, begin);
         run.control(motion, settings, begin)?;
+        motion.foresee(begin, &run.state).map_err(|fault| RunError::Sample { time: begin, fault })?;
         run.sampler.sample(motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
         let energy_start = run.ledger.start();
         Ok((run, energy_start))

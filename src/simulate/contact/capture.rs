@@ -12,44 +12,40 @@
 //! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
 //! order 2 where contacts roll; a step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
-use super::blocks::Blocks;
+use super::moreau::{Ask, Made, moreau};
 use super::{Contacts, Regime};
-use crate::contact::cone::{Law, Problem};
-use crate::contact::frame::{self, Frame, along};
-use crate::contact::geometry::feature::Meeting;
-use crate::contact::hinges::{self, Id, Support};
+use crate::contact::frame::{self, Frame};
+use crate::contact::hinges::Id;
 use crate::contact::pairs::Key;
 use crate::dynamics::applied::Rubbing;
 use crate::dynamics::{Factorized, Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-/// Steps are at most this part of the scene's time, and at least that.
+/// Steps are at most this part of the scene's time, at first and at least those.
 const LONGEST: f64 = 0.02;
+const FIRST: f64 = 2e-3;
 const SHORTEST: f64 = 1e-5;
 /// Positions of a step and of its halves differ by no more than the root of a run's tolerance, within these bounds (parts of the
 /// scene's length): half the digits, as the order is one.
-const COARSE: [f64; 2] = [1e-5, 2e-3];
-/// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
-/// their contact to a turn of 1e-7.
-const ASKEW: f64 = 1e-4;
+const COARSE: [f64; 2] = [1e-5, 2e-2];
 /// A gap below this part of a shape's size is none for the events that take over.
 const CLOSES: f64 = 1e-4;
 /// Rates of contacts are found to this part of what makes a difference of positions as large as it may be in a step, or as far as so many
 /// sweeps take them.
 const FOUND: f64 = 0.02;
-const MOST_SWEEPS: usize = 1200;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
 /// A step gains no more than this part of the kinetic energy.
 const GAINED: f64 = 0.01;
 /// Energy gain that is rounding, in parts of the scene's weight over its length.
 const ROUNDING: f64 = 1e-9;
-/// What has sunk by more than this part of a shape's size is lost; a longer step than the shortest sinks by no more than a quarter of it.
+/// What has sunk by more than this part of a shape's size is lost; a longer step than the shortest sinks by no more than a quarter of what
+/// is left to it.
 pub(super) const LOST: f64 = 1e-2;
-const SINKS: f64 = 0.25 * LOST;
+const SINKS: f64 = 0.25;
 
 /// What carries over from step to step.
 #[derive(Debug, Default)]
@@ -84,20 +80,6 @@ impl Memory {
             Id::Stop(_) | Id::Friction(_) => None,
         })
     }
-}
-
-/// A step and what it did.
-struct Made {
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-    forces: Vec<(Id, Vector3<f64>)>,
-    lost: f64,
-    /// What drives put into impulses (J).
-    work: f64,
-    /// What impulses take out behind all other forces of the step, whose work on the way is not theirs (J): never negative.
-    opposed: f64,
-    /// Whether its forces are found.
-    found: bool,
 }
 
 /// The stepper of (1).
@@ -135,10 +117,11 @@ impl Capture {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
         let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
-        let whole = moreau(motion, time, [q, v], step, &warm, fine)?;
-        let first = moreau(motion, time, [q, v], 0.5 * step, &warm, fine)?;
+        let ask = Ask { warm: &warm, fine, strikes: true };
+        let whole = moreau(motion, time, [q, v], step, ask)?;
+        let first = moreau(motion, time, [q, v], 0.5 * step, ask)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
-        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces, fine)?;
+        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, Ask { warm: &first.forces, ..ask })?;
         let both = whole.position.iter().zip(&made.position);
         let off = both.zip(&self.scales).map(|((a, b), scale)| (a - b).abs() / scale);
         let error = off.fold(0.0, f64::max) / self.tolerance;
@@ -177,7 +160,7 @@ struct Tried {
 impl Tried {
     /// Whether it is short enough.
     fn keeps(&self) -> bool {
-        self.found && self.error <= 1.0 && self.gained <= 0.0 && self.sinks <= SINKS
+        self.found && self.error <= 1.0 && self.gained <= 0.0 && self.sinks <= SINKS * (LOST - self.depth + self.sinks)
     }
 }
 
@@ -215,7 +198,7 @@ impl Stepper<Motion> for Capture {
             system.at(time, &q, &v);
             contacts.memory.depth = Some(contacts.depth(system));
         }
-        let mut h = if contacts.memory.step > 0.0 { contacts.memory.step } else { 0.1 * LONGEST * span };
+        let mut h = if contacts.memory.step > 0.0 { contacts.memory.step } else { FIRST * span };
         loop {
             h = h.min(LONGEST * span).max(SHORTEST * span);
             let last = h >= left * (1.0 - 1e-12);
@@ -259,6 +242,25 @@ impl Stepper<Motion> for Capture {
 }
 
 impl Motion {
+    /// The forces of captured steps at a state from which they begin, for what is told of it: of a short step in which nothing strikes.
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    pub(in crate::simulate) fn foresee(&mut self, time: f64, state: &State) -> Result<(), Fault> {
+        if !self.is_captured() {
+            return Ok(());
+        }
+        self.let_go(time, state)?;
+        let step = FIRST * self.model().time_scale();
+        let fine = self.contacts.as_ref().map_or(0.0, |contacts| FOUND * COARSE[0] * contacts.lengths[0]);
+        let made =
+            moreau(self, time, [&state.position, &state.velocity], step, Ask { warm: &[], fine, strikes: false })?;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.memory.forces = made.forces;
+        }
+        Ok(())
+    }
+
     /// Lets go of everything that stops and dry friction hold: captured steps bear it from now on.
     pub(in crate::simulate) fn let_go(&mut self, time: f64, state: &State) -> Result<(), Fault> {
         self.hold(time, state, &[])?;
@@ -325,17 +327,22 @@ impl Contacts {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let mut push = vec![0.0; a.len()];
-        let mut wrenches = Vec::new();
+        let (mut wrenches, mut of_hinges) = (Vec::new(), Vec::new());
         for (id, force) in &self.memory.forces {
             let key = match id {
                 Id::Contact(key) => key,
                 Id::Stop(side) => {
-                    push[self.model.stops[side.stop].velocity] -= side.at.sign() * force.x;
+                    let (velocity, force) = (self.model.stops[side.stop].velocity, -side.at.sign() * force.x);
+                    push[velocity] += force;
+                    of_hinges.push((velocity, force));
                     continue;
                 }
                 Id::Friction(index) => {
                     let own = &self.model.hinge_friction[*index];
-                    (0..own.count).for_each(|i| push[own.velocity + i] += force[i]);
+                    for i in 0..own.count {
+                        push[own.velocity + i] += force[i];
+                        of_hinges.push((own.velocity + i, force[i]));
+                    }
                     continue;
                 }
             };
@@ -351,167 +358,15 @@ impl Contacts {
             a.fill(0.0);
         }
         wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(mass, links, &point, &force));
+        of_hinges.into_iter().for_each(|(velocity, force)| mass.press_hinge(velocity, force));
     }
 
-    /// What may bear within a step: contacts, and rigid stops and dry friction of hinges.
-    fn supports(&self, frames: &[Frame], q: &[f64], v: &[f64]) -> Vec<Support> {
-        let contact = |frame: &Frame| {
-            let friction = self.law(frame.key.couple).friction;
-            // What slides has the friction of motion to the end of the step; what rests gives way at its limit and has it from the next one on.
-            let has = if frame.slip().norm() > self.kept { friction.slide } else { friction.stick };
-            let law = Law::Coulomb { stick: has, slide: has };
-            let (columns, gap) = (frame.columns.clone(), frame.meeting.gap);
-            Support { id: Id::Contact(frame.key), columns, gap, law }
-        };
-        let mut all: Vec<Support> = frames.iter().map(contact).collect();
-        all.extend(hinges::supports(&self.model, q, v, self.slow));
-        all
-    }
-
-    /// The part of a speed that an impact on a support gives back.
-    fn restitution(&self, support: &Support) -> f64 {
-        match support.id {
-            Id::Contact(key) => self.law(key.couple).law.restitution(),
-            Id::Stop(side) => self.model.stops[side.stop].law.restitution(),
-            Id::Friction(_) => 0.0,
-        }
-    }
-
-    /// Frames of all pairs whose gap is at most what velocities make up in a step.
-    fn ahead(&mut self, motion: &crate::motion::Motion, h: f64) -> Vec<Frame> {
-        self.pairs.place(motion);
-        let fall = h * self.model.gravity.norm();
-        let speeds: Vec<_> = (0..self.pairs.pieces.len()).map(|piece| self.pairs.speed(piece, motion)).collect();
-        let margins: Vec<f64> = speeds.iter().map(|(v, turning)| h * (v.norm() + turning + fall)).collect();
-        self.within(motion, &margins, |[a, b]| {
-            let (a, b) = (speeds[a], speeds[b]);
-            h * ((a.0 - b.0).norm() + a.1 + b.1 + fall)
-        })
-    }
-
-    /// Frames of all pairs of features whose gap is at most what `reach` says of their shapes (m), of shapes within `margins` of each other
-    /// (m); they are placed.
-    pub(super) fn within(
-        &mut self,
-        motion: &crate::motion::Motion,
-        margins: &[f64],
-        reach: impl Fn([usize; 2]) -> f64,
-    ) -> Vec<Frame> {
-        frame::carried(motion, &self.model, &mut self.carried);
-        let mut found: Vec<(Key, Meeting)> = Vec::new();
-        for couple in self.pairs.near(margins) {
-            let reach = reach(self.pairs.couples[couple].pieces);
-            if self.pairs.apart(couple) <= reach {
-                self.pairs.facing(couple, ASKEW, reach, &mut found);
+    /// Adds to `out` what rigid stops push each velocity coordinate with by the forces of captured steps (N or N m).
+    pub(in crate::simulate) fn stop_forces(&self, out: &mut [f64]) {
+        for (id, force) in self.memory.forces.iter().filter(|_| self.follows_steps()) {
+            if let Id::Stop(side) = id {
+                out[self.model.stops[side.stop].velocity] -= side.at.sign() * force.x;
             }
         }
-        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
-        found.into_iter().map(frame).collect()
     }
-}
-
-/// The force of a support in a list of contacts by couples, and then of hinges.
-fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>> {
-    let from = match wanted {
-        Id::Contact(key) => {
-            forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
-        }
-        Id::Stop(_) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
-    };
-    let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
-    forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
-}
-
-/// How much the rates of a contact change in half a step by the way that it goes over both bodies, `½ h c` of [`crate::contact::frame`]:
-/// nothing of the second order is missed then where it rolls. No more than it approaches with, `u`: where the step leads further
-/// around a body than that, what it meets is another place of it.
-fn bend(frame: Option<&Frame>, support: &Support, u: &Vector3<f64>, h: f64) -> Vector3<f64> {
-    let Some(frame) = frame else { return Vector3::zeros() };
-    let bend = match support.gap > 0.0 {
-        // What has a way to go still arrives at its end.
-        true => Vector3::x() * (0.25 * h * frame.bias.x),
-        false => frame.bias * (0.5 * h),
-    };
-    let (size, most) = (bend.norm(), u.norm());
-    if size > most { bend * (most / size) } else { bend }
-}
-
-/// What drives put into the impulses of supports (J).
-fn driven(mass: &mut Factorized<'_>, supports: &[Support], forces: &[Vector3<f64>]) -> f64 {
-    if mass.system().model().drives.is_empty() {
-        return 0.0;
-    }
-    let n = mass.system().model().velocity_count();
-    let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
-    for (support, force) in supports.iter().zip(forces) {
-        for (column, f) in support.columns.iter().zip(force) {
-            column.iter().for_each(|(i, c)| impulse[*i] += c * f);
-        }
-    }
-    mass.answer_impulse_with_work(&impulse, &mut change)
-}
-
-/// (1) and (2); rates of contacts are found to `fine / h` (m).
-fn moreau(
-    motion: &mut Motion,
-    time: f64,
-    [q, v]: [&[f64]; 2],
-    h: f64,
-    warm: &[(Id, Vector3<f64>)],
-    fine: f64,
-) -> Result<Made, Fault> {
-    let mut position = q.to_vec();
-    let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
-    System::displace(motion.model(), &mut position, &half(v));
-    let mut velocity = vec![0.0; v.len()];
-    let Motion { contacts, system, .. } = motion;
-    let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
-    velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
-    let Some(contacts) = contacts else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: true });
-    };
-    let mut frames = contacts.ahead(mass.motion(), h);
-    let mut supports = contacts.supports(&frames, &position, v);
-    let waits = |support: &Support| {
-        support.gap > 0.0 && contacts.restitution(support) > 0.0 && along(&support.columns[0], v) < -contacts.rest
-    };
-    // Frames are those of the first supports.
-    let mut own = supports.iter();
-    frames.retain(|_| own.next().is_some_and(|support| !waits(support)));
-    supports.retain(|support| !waits(support));
-    let blocks = Blocks::new(contacts, &mut mass, &supports);
-    let way = |support: &Support| 2.0 * support.gap.max(0.0) / h;
-    let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
-    let bends: Vec<Vector3<f64>> =
-        supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
-    let rate = |(i, support): (usize, &Support)| {
-        let (approach, e) = (along(&support.columns[0], v) - bends[i].x, contacts.restitution(support));
-        let bounce = if -approach > contacts.rest && support.gap <= 0.0 { e * approach } else { 0.0 };
-        free[i] + bends[i] + Vector3::x() * (way(support) + bounce)
-    };
-    // Of hinges the three numbers are their own.
-    let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
-    let known = |support: &Support| remembered(warm, support.id).map(|force| force * h);
-    let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
-    let problem = Problem {
-        blocks: blocks.matrix(),
-        rates: supports.iter().enumerate().map(rate).collect(),
-        laws: supports.iter().map(|support| support.law.times(h)).collect(),
-    };
-    let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
-    let found = problem.sweep_to(&guesses, fine / h, MOST_SWEEPS);
-    blocks.push(&found.forces, &mut velocity);
-    let (mut lost, mut opposed) = (0.0, 0.0);
-    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
-        // Positions go ½ h (v + v⁺): along that impulses do their work.
-        lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
-        opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
-    }
-    let work = driven(&mut mass, &supports, &found.forces);
-    let mut end = position.clone();
-    System::displace(&contacts.model, &mut end, &half(&velocity));
-    hinges::within_limits(&mut mass, &mut end);
-    let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
-    let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found })
 }

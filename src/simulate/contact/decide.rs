@@ -170,13 +170,7 @@ impl Contacts {
             let slip = frame.slip();
             // Between two steps rows are met to the accuracy of the interpolation only.
             let stuck = self.closed.iter().any(|was| was.key == frame.key && was.state == ContactState::Stick);
-            let slow = if undisturbed && stuck { self.kept } else { self.slow };
-            let friction = self.law(frame.key.couple).friction;
-            let state = match slip.norm() > slow {
-                _ if friction.stick == 0.0 => ContactState::Slip(Vector3::zeros()),
-                true => ContactState::Slip(slip.normalize()),
-                false => ContactState::Stick,
-            };
+            let state = self.moves(frame, if undisturbed && stuck { self.kept } else { self.slow });
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
@@ -189,12 +183,36 @@ impl Contacts {
         self.closed = closed.collect();
     }
 
-    /// Takes from velocities what closed contacts do not allow, all of it below the speed of rest.
+    /// What a contact does by its velocity alone: it slips if that is faster than `slow` (m/s).
+    fn moves(&self, frame: &Frame, slow: f64) -> ContactState {
+        let slip = frame.slip();
+        match slip.norm() > slow {
+            _ if self.law(frame.key.couple).friction.stick == 0.0 => ContactState::Slip(Vector3::zeros()),
+            true => ContactState::Slip(slip.normalize()),
+            false => ContactState::Stick,
+        }
+    }
+
+    /// Takes from velocities what closed contacts do not allow, all of it below the speed of rest. What slips may do so in another
+    /// direction then, or stick: it is held again until no more of it sticks.
     fn hold(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
         let mut a = vec![0.0; state.velocity.len()];
-        let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.choose(&mut mass);
-        self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
+        loop {
+            let mut mass = self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+            self.choose(&mut mass);
+            self.project(system, time, &mut state.position, &mut state.velocity)?;
+            self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+            let mut ends = true;
+            for at in 0..self.closed.len() {
+                if self.closed[at].state != ContactState::Stick {
+                    self.closed[at].state = self.moves(&self.frames[at], self.slow);
+                    ends &= self.closed[at].state != ContactState::Stick;
+                }
+            }
+            if ends {
+                return Ok(());
+            }
+        }
     }
 
     /// The states of closed contacts, by one cone problem on accelerations.
@@ -235,7 +253,8 @@ impl Contacts {
                 continue;
             }
             self.read(&touching, &frames, &found, size);
-            if self.fits(system, state, &frames, size)? || found.change <= FOUND {
+            // Of the right states forces may be out of their cones by rounding.
+            if self.fits(system, state, &frames, size)? || found.change <= FOUND && self.reserve() >= -SETTLED {
                 return Ok(());
             }
             forces = found.forces;

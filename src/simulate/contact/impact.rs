@@ -12,6 +12,7 @@
 use super::{Contacts, Trouble};
 use crate::contact::cone::{Answer, Law};
 use crate::contact::frame::{Frame, problem};
+use crate::model::problem::number;
 use nalgebra::Vector3;
 
 /// Impacts one after the other at one instant; of more of them what is left is answered at once and without restitution if it is nearly nothing.
@@ -70,8 +71,8 @@ impl Contacts {
             let Some(worst) = worst.filter(|worst| speeds[*worst].x < -self.rest) else { break };
             if impact == MOST_IMPACTS && speeds[worst].x < -SPENT * fastest {
                 let why = format!(
-                    "after {MOST_IMPACTS} impacts at one instant they still approach with {:.3e} m/s",
-                    -speeds[worst].x
+                    "after {MOST_IMPACTS} impacts at one instant they still approach with {} m/s",
+                    number(-speeds[worst].x)
                 );
                 return Err(Trouble::Undecided { between: self.between(frames[worst].key.couple), why });
             }

@@ -25,6 +25,7 @@
 //! | `watch` | (2): the numbers whose change of sign is an event |
 //! | `spring` | compliant contacts |
 //! | `capture` | steps that capture all events of an instant |
+//! | `moreau` | one such step |
 //! | `raise` | what has sunk in captured steps is moved apart |
 //! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
@@ -32,6 +33,7 @@ mod blocks;
 mod capture;
 mod decide;
 mod impact;
+mod moreau;
 mod raise;
 mod rows;
 mod spring;
@@ -144,6 +146,8 @@ pub(super) struct Contacts {
     frames: Vec<Frame>,
     /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
     last: (DMatrix<f64>, DVector<f64>),
+    /// What unit forces of these rows accelerate along every slip that friction brakes, if some rows depend on others.
+    along_slips: Vec<DVector<f64>>,
     /// Rows of closed contacts in their states that are linearly independent.
     independent: Vec<usize>,
     /// How far forces are within their cones in the last place, once that is asked for.
@@ -203,6 +207,7 @@ impl Contacts {
             carried: Vec::new(),
             frames: Vec::new(),
             last: (DMatrix::zeros(0, 0), DVector::zeros(0)),
+            along_slips: Vec::new(),
             independent: Vec::new(),
             reserve: OnceCell::new(),
             impacts: 0,

@@ -24,6 +24,8 @@ const MOST_ROUNDS: usize = 30;
 /// What may be missing of that, in parts of it, and sweeps for it.
 const NEARLY: f64 = 0.05;
 const MOST_SWEEPS: usize = 60;
+/// Where what is moved apart pushes something else deeper than anything was, it is moved half as far, so many times at most.
+const HALVINGS: usize = 6;
 /// What is nearer than so many times what has sunk deepest is not pushed into.
 const NEAR: f64 = 2.0;
 
@@ -100,13 +102,23 @@ impl Motion {
         let swept = problem.sweep_to(&guess, NEARLY * rises * deepest, MOST_SWEEPS);
         change.fill(0.0);
         blocks.push(&swept.forces, &mut change);
-        let mut parted = position.to_vec();
-        System::displace(&contacts.model, &mut parted, &change);
-        hinges::within_limits(&mut mass, &mut parted);
-        position.copy_from_slice(&parted);
-        let energies = system.at(time, position, velocity).energies();
-        let depth = contacts.depth(system);
-        Ok((energies.kinetic + energies.potential - before, depth))
+        for _ in 0..HALVINGS {
+            let mut parted = position.to_vec();
+            System::displace(&contacts.model, &mut parted, &change);
+            if !contacts.model.stops.is_empty() {
+                let mut scratch = vec![0.0; velocity.len()];
+                let mut mass = system.at_without_contact(time, position, velocity).into_accelerations(&mut scratch)?;
+                hinges::within_limits(&mut mass, &mut parted);
+            }
+            let energies = system.at(time, &parted, velocity).energies();
+            let now = contacts.depth(system);
+            if now <= depth {
+                position.copy_from_slice(&parted);
+                return Ok((energies.kinetic + energies.potential - before, now));
+            }
+            change.iter_mut().for_each(|x| *x *= 0.5);
+        }
+        Ok((0.0, depth))
     }
 }
 

@@ -89,6 +89,7 @@ impl Contacts {
         let (matrix, rates) = (self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), rates));
         let forces = self.solve(&matrix, &rates);
         self.last = (matrix, rates);
+        self.along_slips = self.along_slips(&rows, &answers);
         for ((row, answer), force) in rows.iter().zip(&answers).zip(forces.iter()) {
             a.iter_mut().zip(answer).for_each(|(a, x)| *a += force * x);
             let closed = &mut self.closed[row.of];
@@ -101,6 +102,20 @@ impl Contacts {
             a.fill(0.0);
         }
         self.press(mass);
+    }
+
+    /// What unit forces of rows accelerate along every slip that friction brakes: none if no row depends on others, as forces are unique.
+    fn along_slips(&self, rows: &[Row], answers: &[Vec<f64>]) -> Vec<DVector<f64>> {
+        if self.independent.len() == rows.len() {
+            return Vec::new();
+        }
+        let slips = |row: &&Row| row.pushes.x != 0.0 && row.pushes.yz() != nalgebra::Vector2::zeros();
+        let along = |row: &Row| {
+            let slip =
+                Row { of: row.of, measures: Vector3::new(0.0, row.pushes.y, row.pushes.z), pushes: Vector3::zeros() };
+            DVector::from_iterator(answers.len(), answers.iter().map(|answer| self.measured(&slip, answer)))
+        };
+        rows.iter().filter(slips).map(along).collect()
     }
 
     /// Hands the forces to the system, so that reactions and powers have them.
@@ -254,7 +269,8 @@ impl Contacts {
 
 impl Contacts {
     /// The largest slack of forces with the accelerations of the last place, see [`slack`], in parts of the scale; `None` if
-    /// forces are unique or that is not known.
+    /// forces are unique or that is not known. Forces that meet the rows accelerate what slips by as much as theirs: how hard it is
+    /// pressed is what brakes it.
     pub(super) fn best(&self) -> Option<f64> {
         let rows = self.rows();
         let (matrix, rates) = &self.last;
@@ -267,8 +283,25 @@ impl Contacts {
         // What nothing can move along pushes nothing, either.
         let in_units = |entry: f64, unit: f64| if unit > 0.0 { entry / unit } else { 0.0 };
         let equation = |k: usize| -> Vec<f64> { (0..rows.len()).map(|j| in_units(q[(j, k)], units[j])).collect() };
-        let equations: Vec<Vec<f64>> = (0..kept.len()).map(equation).collect();
-        let right = x.iter().map(|x| x / self.scale);
+        let mut equations: Vec<Vec<f64>> = (0..kept.len()).map(equation).collect();
+        let mut right: Vec<f64> = x.iter().map(|x| x / self.scale).collect();
+        // Forces of least norm are in the span of the rows: across it, what slips is accelerated by zero.
+        let mut known = q;
+        for along in &self.along_slips {
+            let along = along.component_mul(&DVector::from_column_slice(&units));
+            let (size, mut left) = (along.norm(), along);
+            for _ in 0..2 {
+                left -= &known * known.tr_mul(&left);
+            }
+            if left.norm() > RANK.sqrt() * size {
+                let left = left.normalize();
+                equations.push((0..rows.len()).map(|j| in_units(left[j], units[j])).collect());
+                right.push(0.0);
+                let at = known.ncols();
+                known = known.insert_column(at, 0.0);
+                known.set_column(at, &left);
+            }
+        }
         let mut cones = Vec::new();
         for row in &rows {
             let closed = &self.closed[row.of];
@@ -281,7 +314,7 @@ impl Contacts {
                 ContactState::Slip(_) => cones.push(Cone::Ray),
             }
         }
-        slack(&equations, &right.collect::<Vec<_>>(), &cones).map(|(slack, _)| slack)
+        slack(&equations, &right, &cones).map(|(slack, _)| slack)
     }
 }
 

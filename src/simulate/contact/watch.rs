@@ -55,11 +55,11 @@ impl Contacts {
         aspects
     }
 
-    /// What is rounding of an aspect.
+    /// What is rounding of an aspect. Forces may begin a little beyond their cones, where they have just reached them: twice as much is an event.
     pub(in crate::simulate) fn band(&self, aspect: Aspect) -> f64 {
         match aspect {
             Aspect::Gap(couple) => 1e-4 * GAP * self.pairs.couples[couple].size,
-            Aspect::Reserve => BEYOND,
+            Aspect::Reserve => BEYOND.max(-2.0 * self.reserve()),
             Aspect::Inside | Aspect::Straight => 0.0,
             Aspect::Spring(_) => 1e-12,
             Aspect::Depth(at) => 1e-4 * GAP * self.pairs.couples[self.closed[at].key.couple].size,

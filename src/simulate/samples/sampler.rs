@@ -130,6 +130,7 @@ impl Sampler {
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
         motion.guard(time, state)?;
+        motion.guard_shapes(time, state)?;
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;

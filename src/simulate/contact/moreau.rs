@@ -1,0 +1,240 @@
+//! One captured step, and its cone problem: (1) and (2) of [`super::capture`].
+
+use super::Contacts;
+use super::blocks::Blocks;
+use crate::contact::cone::{Law, Problem};
+use crate::contact::frame::{self, Frame, along};
+use crate::contact::geometry::feature::Meeting;
+use crate::contact::hinges::{self, Id, Support};
+use crate::contact::pairs::Key;
+use crate::dynamics::{Factorized, Fault, System};
+use crate::simulate::problem::Motion;
+use nalgebra::{Matrix3, Vector3};
+
+/// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
+/// their contact to a turn of 1e-7.
+const ASKEW: f64 = 1e-4;
+/// Sweeps of a cone problem, at most.
+const MOST_SWEEPS: usize = 1200;
+/// What answers a push with less than this part of what it would do without loops, drives and gears is held by them, but for rounding.
+const IMMOVABLE: f64 = 1e-12;
+
+/// A step and what it did.
+pub(super) struct Made {
+    pub(super) position: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    /// Impulses over the length of the step (N, N m).
+    pub(super) forces: Vec<(Id, Vector3<f64>)>,
+    /// What impulses take out (J).
+    pub(super) lost: f64,
+    /// What drives put into impulses (J).
+    pub(super) work: f64,
+    /// What impulses take out behind all other forces of the step, whose work on the way is not theirs (J): never negative.
+    pub(super) opposed: f64,
+    /// Whether its forces are found.
+    pub(super) found: bool,
+}
+
+impl Contacts {
+    /// What may bear within a step: contacts, and rigid stops and dry friction of hinges.
+    fn supports(&self, frames: &[Frame], q: &[f64], v: &[f64]) -> Vec<Support> {
+        let contact = |frame: &Frame| {
+            let friction = self.law(frame.key.couple).friction;
+            // What slides has the friction of motion to the end of the step; what rests gives way at its limit and has it from the next one on.
+            let has = if frame.slip().norm() > self.kept { friction.slide } else { friction.stick };
+            let law = Law::Coulomb { stick: has, slide: has };
+            let (columns, gap) = (frame.columns.clone(), frame.meeting.gap);
+            Support { id: Id::Contact(frame.key), columns, gap, law }
+        };
+        let mut all: Vec<Support> = frames.iter().map(contact).collect();
+        all.extend(hinges::supports(&self.model, q, v, self.slow));
+        all
+    }
+
+    /// The part of a speed that an impact on a support gives back.
+    fn restitution(&self, support: &Support) -> f64 {
+        match support.id {
+            Id::Contact(key) => self.law(key.couple).law.restitution(),
+            Id::Stop(side) => self.model.stops[side.stop].law.restitution(),
+            Id::Friction(_) => 0.0,
+        }
+    }
+
+    /// Frames of all pairs whose gap is at most what velocities make up in a step.
+    fn ahead(&mut self, motion: &crate::motion::Motion, h: f64) -> Vec<Frame> {
+        self.pairs.place(motion);
+        let fall = h * self.model.gravity.norm();
+        let speeds: Vec<_> = (0..self.pairs.pieces.len()).map(|piece| self.pairs.speed(piece, motion)).collect();
+        let margins: Vec<f64> = speeds.iter().map(|(v, turning)| h * (v.norm() + turning + fall)).collect();
+        self.within(motion, &margins, |[a, b]| {
+            let (a, b) = (speeds[a], speeds[b]);
+            h * ((a.0 - b.0).norm() + a.1 + b.1 + fall)
+        })
+    }
+
+    /// Frames of all pairs of features whose gap is at most what `reach` says of their shapes (m), of shapes within `margins` of each other
+    /// (m); they are placed.
+    pub(super) fn within(
+        &mut self,
+        motion: &crate::motion::Motion,
+        margins: &[f64],
+        reach: impl Fn([usize; 2]) -> f64,
+    ) -> Vec<Frame> {
+        frame::carried(motion, &self.model, &mut self.carried);
+        let mut found: Vec<(Key, Meeting)> = Vec::new();
+        for couple in self.pairs.near(margins) {
+            let reach = reach(self.pairs.couples[couple].pieces);
+            if self.pairs.apart(couple) <= reach {
+                self.pairs.facing(couple, ASKEW, reach, &mut found);
+            }
+        }
+        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
+        found.into_iter().map(frame).collect()
+    }
+}
+
+/// The force of a support in a list of contacts by couples, and then of hinges.
+fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>> {
+    let from = match wanted {
+        Id::Contact(key) => {
+            forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
+        }
+        Id::Stop(_) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
+    };
+    let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
+    forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
+}
+
+/// How much the rates of a contact change in half a step by the way that it goes over both bodies, `½ h c` of [`crate::contact::frame`]:
+/// nothing of the second order is missed then where it rolls. No more than it approaches with, `u`: where the step leads further
+/// around a body than that, what it meets is another place of it.
+fn bend(frame: Option<&Frame>, support: &Support, u: &Vector3<f64>, h: f64) -> Vector3<f64> {
+    let Some(frame) = frame else { return Vector3::zeros() };
+    let bend = match support.gap > 0.0 {
+        // What has a way to go still arrives at its end.
+        true => Vector3::x() * (0.25 * h * frame.bias.x),
+        false => frame.bias * (0.5 * h),
+    };
+    let (size, most) = (bend.norm(), u.norm());
+    if size > most { bend * (most / size) } else { bend }
+}
+
+/// What drives put into the impulses of supports (J).
+fn driven(mass: &mut Factorized<'_>, supports: &[Support], forces: &[Vector3<f64>]) -> f64 {
+    if mass.system().model().drives.is_empty() {
+        return 0.0;
+    }
+    let n = mass.system().model().velocity_count();
+    let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
+    for (support, force) in supports.iter().zip(forces) {
+        for (column, f) in support.columns.iter().zip(force) {
+            column.iter().for_each(|(i, c)| impulse[*i] += c * f);
+        }
+    }
+    mass.answer_impulse_with_work(&impulse, &mut change)
+}
+
+/// Dry friction of hinges that drives move: nothing that it does changes their motion, so that (2) does not know it. It pushes against
+/// that with all that it has; where drives keep a hinge still, it is not known, and none.
+fn drag(
+    mass: &mut Factorized<'_>,
+    problem: &Problem,
+    supports: &[Support],
+    v: &[f64],
+    forces: &mut [Vector3<f64>],
+    still: f64,
+) {
+    let rubs = |support: &Support| matches!(support.id, Id::Friction(_));
+    if !mass.system().model().is_constrained() || !supports.iter().any(rubs) {
+        return;
+    }
+    let mut inertia = vec![0.0; v.len()];
+    mass.articulated_inertia(&mut inertia);
+    for (i, support) in supports.iter().enumerate().filter(|(_, support)| rubs(support)) {
+        let (Law::Bounded { bound }, Some((velocity, _))) = (problem.laws[i], support.columns[0].first()) else {
+            continue;
+        };
+        let (rate, free) = (support.rates(v), inertia[*velocity].recip());
+        if problem.own(i).amax() <= IMMOVABLE * free && rate.norm() > still {
+            forces[i] = -rate * (bound / rate.norm());
+        }
+    }
+}
+
+/// How (2) is asked.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ask<'a> {
+    /// Forces to begin with.
+    pub(super) warm: &'a [(Id, Vector3<f64>)],
+    /// Rates of contacts are found to this over the step (m).
+    pub(super) fine: f64,
+    /// Whether what meets within the step strikes; else it is left alone.
+    pub(super) strikes: bool,
+}
+
+/// (1) and (2).
+pub(super) fn moreau(
+    motion: &mut Motion,
+    time: f64,
+    [q, v]: [&[f64]; 2],
+    h: f64,
+    Ask { warm, fine, strikes }: Ask<'_>,
+) -> Result<Made, Fault> {
+    let mut position = q.to_vec();
+    let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
+    System::displace(motion.model(), &mut position, &half(v));
+    let mut velocity = vec![0.0; v.len()];
+    let Motion { contacts, system, .. } = motion;
+    let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
+    velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
+    let Some(contacts) = contacts else {
+        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: true });
+    };
+    let mut frames = contacts.ahead(mass.motion(), h);
+    let mut supports = contacts.supports(&frames, &position, v);
+    let waits = |support: &Support| {
+        let bounces = support.gap > 0.0 && contacts.restitution(support) > 0.0;
+        let is_friction = matches!(support.id, Id::Friction(_));
+        (bounces || !strikes && !is_friction) && along(&support.columns[0], v) < -contacts.rest
+    };
+    // Frames are those of the first supports.
+    let mut own = supports.iter();
+    frames.retain(|_| own.next().is_some_and(|support| !waits(support)));
+    supports.retain(|support| !waits(support));
+    let blocks = Blocks::new(contacts, &mut mass, &supports);
+    let way = |support: &Support| 2.0 * support.gap.max(0.0) / h;
+    let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
+    let bends: Vec<Vector3<f64>> =
+        supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
+    let rate = |(i, support): (usize, &Support)| {
+        let (approach, e) = (along(&support.columns[0], v) - bends[i].x, contacts.restitution(support));
+        let bounce = if -approach > contacts.rest && support.gap <= 0.0 { e * approach } else { 0.0 };
+        free[i] + bends[i] + Vector3::x() * (way(support) + bounce)
+    };
+    // Of hinges the three numbers are their own.
+    let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
+    let known = |support: &Support| remembered(warm, support.id).map(|force| force * h);
+    let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
+    let problem = Problem {
+        blocks: blocks.matrix(),
+        rates: supports.iter().enumerate().map(rate).collect(),
+        laws: supports.iter().map(|support| support.law.times(h)).collect(),
+    };
+    let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
+    let mut found = problem.sweep_to(&guesses, fine / h, MOST_SWEEPS);
+    blocks.push(&found.forces, &mut velocity);
+    drag(&mut mass, &problem, &supports, &velocity, &mut found.forces, contacts.slow);
+    let (mut lost, mut opposed) = (0.0, 0.0);
+    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
+        // Positions go ½ h (v + v⁺): along that impulses do their work.
+        lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
+        opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
+    }
+    let work = driven(&mut mass, &supports, &found.forces);
+    let mut end = position.clone();
+    System::displace(&contacts.model, &mut end, &half(&velocity));
+    hinges::within_limits(&mut mass, &mut end);
+    let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
+    let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
+    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found })
+}
