@@ -4,6 +4,7 @@
 use super::Balanced;
 use crate::force::Act;
 use crate::model::Link;
+use std::cell::LazyCell;
 
 /// Magnitudes per velocity coordinate.
 #[derive(Debug, Clone)]
@@ -68,8 +69,7 @@ impl Balanced<'_> {
                 size.turn_stiffness += part.stiffness * arm * arm + part.turn_stiffness;
             }
         }
-        let n = model.velocity_count();
-        let none = vec![0.0; n];
+        let (none, length) = (vec![0.0; model.velocity_count()], LazyCell::new(|| model.length_scale()));
         let mut out = Magnitudes { force: none.clone(), noise: none.clone(), squares: none.clone(), stiffness: none };
         for index in (1..model.links.len()).rev() {
             let link = &model.links[index];
@@ -88,7 +88,9 @@ impl Balanced<'_> {
             let rigid = if is_flexible { 0 } else { count };
             for i in link.velocity..link.velocity + rigid {
                 let coordinate = &model.coordinates[i];
-                let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
+                // Less than the machine precision of a radian, or of the scene's length, is no position.
+                let least = f64::EPSILON * if slide { *length } else { 1.0 };
+                let extent = if count == 1 { (q[link.position].abs() + coordinate.rest.abs()).max(least) } else { 1.0 };
                 let spring = coordinate.stiffness.abs() * extent + coordinate.force.abs();
                 out.force[i] = spring + pick(size.force, size.moment, pitch);
                 out.noise[i] = spring + pick(size.noise, size.noise_moment, pitch);

@@ -157,7 +157,11 @@ impl Input {
             _ => false,
         };
         match &output.quantity {
-            Quantity::Expression(_) => model.outputs.iter().any(|other| is_own(&other.quantity)),
+            Quantity::Expression(expression) => {
+                let numbers = model.outputs.iter().flat_map(|other| std::iter::repeat_n(other, other.units.len()));
+                let mut used = numbers.enumerate().filter(|(number, _)| expression.formula.uses(number + 1));
+                used.any(|(_, other)| self.is_told_by(model, other))
+            }
             quantity => is_own(quantity),
         }
     }

@@ -93,14 +93,16 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     let mut moments: Vec<f64> = SymmetricEigen::new(mass.inertia).eigenvalues.iter().copied().collect();
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
-    let shown = format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
+    let shown = || format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
     if !unphysical && small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
-        found.add(element, "inertia", format!("the inertia of `{name}` has a negative principal moment: {shown}"), "");
+        let message = format!("the inertia of `{name}` has a negative principal moment: {}", shown());
+        found.add(element, "inertia", message, "");
     } else if !unphysical && large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
         let short = 100.0 * (large - small - middle) / large;
         let message = format!(
             "no body can have the inertia of `{name}`: the sum of its two smaller principal moments falls short of the largest by \
-             {short:.3} % ({shown})"
+             {short:.3} % ({})",
+            shown()
         );
         let help = "inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit";
         found.add(element, "inertia", message, help);

@@ -20,7 +20,7 @@ pub(super) use relay::scene;
 use crate::constraint::assemble;
 use crate::dynamics::System;
 use crate::model::description::{Description, StageDescription, When};
-use crate::model::problem::in_one_line;
+use crate::model::problem::{in_one_line, number, significant};
 use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
@@ -37,6 +37,7 @@ use crate::spatial::Pose;
 use crate::suggest;
 use nalgebra::{UnitQuaternion, Vector3};
 use relay::{Layout, Relay};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Times that differ by less than this part are one.
@@ -72,9 +73,16 @@ pub fn at_stage(whole: &Description, name: &str) -> Result<Description, String> 
         ));
     };
     let mut structure = Structure::first(whole);
+    // Of bodies whose hinges have opened.
+    let mut rates: BTreeMap<usize, [f64; 6]> = BTreeMap::new();
+    let describe = |structure: &Structure, rates: &BTreeMap<usize, [f64; 6]>| {
+        let mut scene = structure.describe(whole);
+        rates.iter().for_each(|(body, rates)| scene.bodies[*body].hinge.velocity = rates.to_vec());
+        scene
+    };
     let listed = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     for stage in 0..=last {
-        let model = Model::build(&structure.describe(whole)).map_err(listed)?;
+        let model = Model::build(&describe(&structure, &rates)).map_err(listed)?;
         let now = Now::new(&model, 0.0, &model.start_position, &model.start_velocity);
         if stage == 0 {
             structure.frames = now.frames(whole, &structure);
@@ -82,8 +90,12 @@ pub fn at_stage(whole: &Description, name: &str) -> Result<Description, String> 
         let before = structure.clone();
         structure.apply(whole, stage).map_err(|wrong| wrong.why)?;
         now.fill(whole, &before, &mut structure);
+        for body in structure.freed.keys().filter(|body| !before.freed.contains_key(body)) {
+            let [linear, angular] = &now.velocities[*body];
+            rates.insert(*body, relay::free_rates(&now.poses[*body], linear, angular));
+        }
     }
-    Ok(structure.describe(whole))
+    Ok(describe(&structure, &rates))
 }
 
 /// Bodies at an instant, of one structure.
@@ -124,11 +136,7 @@ impl<'a> Now<'a> {
     }
 
     /// The frames of all loops that are closed and have none of their own.
-    fn frames(
-        &self,
-        whole: &Description,
-        structure: &Structure,
-    ) -> std::collections::BTreeMap<usize, UnitQuaternion<f64>> {
+    fn frames(&self, whole: &Description, structure: &Structure) -> BTreeMap<usize, UnitQuaternion<f64>> {
         let loops = whole.loops.iter().enumerate();
         let closed = loops.filter(|(index, one)| structure.is_closed(*index) && one.second_frame.is_none());
         closed.map(|(index, _)| (index, self.frame(whole, index))).collect()
@@ -243,7 +251,9 @@ impl Staged<'_> {
         let (gap, allowed) = (assembly.given_gap, OPEN * next.length_scale());
         if gap > allowed {
             let why = format!(
-                "what closes is open by {gap:.3e} m, allowed: {allowed:.1e} m; let the parts meet before it closes"
+                "what closes is open by {} m, allowed: {} m; let the parts meet before it closes",
+                number(gap),
+                significant(allowed, 2)
             );
             return Err(stop(why));
         }

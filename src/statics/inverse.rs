@@ -307,8 +307,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The scene's own size of a quantity, of a plain number its `value`; `largest` is the largest force in the balance, for scenes
-/// without weight.
+/// The scene's own size of a quantity, of a stress or a plain number its `value`; `largest` is the largest force in the balance,
+/// for scenes without weight.
 pub(super) fn unit(quantity: Quantity, value: f64, model: &Model, largest: f64) -> f64 {
     let or_one = |x: f64| if x > 0.0 { x } else { 1.0 };
     let (gravity, length) = (model.gravity.norm(), model.length_scale());
@@ -324,7 +324,8 @@ pub(super) fn unit(quantity: Quantity, value: f64, model: &Model, largest: f64) 
         Quantity::Acceleration => or_one(gravity),
         Quantity::Speed => length / model.time_scale(),
         Quantity::TurnRate => 1.0 / model.time_scale(),
-        Quantity::Plain => or_one(value.abs()),
+        // How stiff a material is says nothing of the scene's own sizes.
+        Quantity::Stress | Quantity::Plain => or_one(value.abs()),
     }
 }
 

@@ -353,6 +353,18 @@ fn a_driven_base_is_felt_through_its_spring() {
         name = "carried"
         type = "reaction"
         of = "mass"
+        [[output]]
+        name = "own"
+        type = "force"
+        of = "hand"
+        [[output]]
+        name = "tripled"
+        type = "expression"
+        expression = "3*pull"
+        [[output]]
+        name = "both"
+        type = "expression"
+        expression = "pull + own"
     "#;
     let scenario = stillpoint::scenario::parse("s.toml", text, &[]).unwrap();
     let model = build(&scenario.description);
@@ -362,13 +374,13 @@ fn a_driven_base_is_felt_through_its_spring() {
     assert_eq!(names, ["mass.distance", "shake.target", "d(mass.distance)/dt", "d(shake.target)/dt"]);
     assert_eq!(
         (found.dependent.as_slice(), found.left_out.as_slice()),
-        (&["base.distance".to_owned()][..], &["carried".to_owned()][..])
+        (&["base.distance".to_owned()][..], &["carried", "own", "both"].map(str::to_owned)[..])
     );
     let (k, c) = (50.0 / 2.0, 3.0 / 2.0);
     let a = [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [-k, k, -c, c], [0.0; 4]];
     let b = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.5], [1.0, 0.0]];
-    let c_rows = [[50.0, -50.0, 3.0, -3.0], [0.0; 4]];
-    let d = [[0.0, 0.0], [1.0, 0.0]];
+    let c_rows = [[50.0, -50.0, 3.0, -3.0], [0.0; 4], [150.0, -150.0, 9.0, -9.0]];
+    let d = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
     let near = |m: &Mat<f64>, rows: &[&[f64]]| {
         (0..m.nrows()).all(|i| (0..m.ncols()).all(|j| (m[(i, j)] - rows[i][j]).abs() < 1e-12))
     };

@@ -3,14 +3,11 @@
 use crate::dynamics::System;
 use crate::force::Act;
 use crate::model::description::Description;
-use crate::model::problem::{number, significant};
+use crate::model::problem::{apart, number};
 use crate::model::{Model, Parameter};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::settings::Aim;
 use std::sync::Arc;
-
-/// Digits of a number, which are more where two would look alike, up to all there are.
-const DIGITS: std::ops::RangeInclusive<usize> = 6..=17;
 
 /// What is where, and where it should be.
 pub(super) fn missed(aimed: &[(String, f64)], aim: &[Aim]) -> String {
@@ -19,13 +16,6 @@ pub(super) fn missed(aimed: &[(String, f64)], aim: &[Aim]) -> String {
         format!("`{name}` is {value} and not {aim}")
     };
     aimed.iter().zip(aim).map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// Two numbers with as many digits as tell them apart.
-fn apart(a: f64, b: f64) -> [String; 2] {
-    let both = |digits: usize| [a, b].map(|x| significant(x, digits));
-    let differ = DIGITS.map(both).find(|[a, b]| a != b);
-    differ.unwrap_or_else(|| [a, b].map(number))
 }
 
 /// What holds where no number has an influence: stops that bear, ropes that are slack; and what to do about it.
@@ -59,17 +49,5 @@ pub(super) fn at_bound(held: &[usize], unknown: &[Parameter], description: &Desc
     match held.len() {
         0 => String::new(),
         _ => format!(" with {} as near to zero as it can be", held.iter().map(one).collect::<Vec<_>>().join(", ")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::apart;
-
-    #[test]
-    fn numbers_that_look_alike_get_the_digits_that_tell_them_apart() {
-        assert_eq!(apart(0.25, 0.75), ["0.25", "0.75"]);
-        assert_eq!(apart(0.069_308_800_123, 0.069_308_800_124), ["0.069308800123", "0.069308800124"]);
-        assert_eq!(apart(1.0, 1.0 + f64::EPSILON), ["1", "1.0000000000000002"]);
     }
 }

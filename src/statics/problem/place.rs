@@ -40,6 +40,9 @@ impl Place {
     }
 
     fn share(&self, i: usize, size: f64) -> f64 {
+        // What is within the round-off counts as balanced, however small the forces are.
+        let noise = self.scales.noise[i];
+        let size = if noise.is_finite() { size.max(noise / BALANCED) } else { size };
         if size > 0.0 { self.force[i].abs() / size } else { f64::from(u8::from(self.force[i] != 0.0)) }
     }
 

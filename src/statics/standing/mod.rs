@@ -47,6 +47,7 @@ use super::settings::{Margin, Settings};
 use crate::contact::support::Undecided;
 pub use crate::contact::support::Verdict;
 use crate::dynamics::Fault;
+use crate::model::problem::{number, significant};
 use crate::model::{Description, Link, Model, Parameter, StopLaw};
 use std::sync::Arc;
 
@@ -156,8 +157,10 @@ fn settled(
     let there = standing(description, model, settings, asked, &end.pose).map_err(|why| match why {
         Unanswered::Untouchable(Untouchable::Overlap { between: [one, other], depth, allowed, .. }) => {
             Unanswered::Unsettled(format!(
-                "where nothing goes down any more `{one}` and `{other}` overlap by {depth:.3e} m, and {allowed:.1e} m count as closed: \
-                 begin from another pose, or raise `[statics] gap`"
+                "where nothing goes down any more `{one}` and `{other}` overlap by {} m, and {} m count as closed: \
+                 begin from another pose, or raise `[statics] gap`",
+                number(depth),
+                significant(allowed, 2)
             ))
         }
         why => why,
@@ -165,8 +168,10 @@ fn settled(
     let mut found = certificate::certificate(description, model, settings, &end.pose, &there)?;
     (found.stage, found.iterations) = ("settled", end.steps);
     found.notes.push(format!(
-        "settled from the given pose in {} steps: `{}` moved by {:.3e} m, more than any other body",
-        end.steps, model.bodies[end.body].name, end.moved
+        "settled from the given pose in {} steps: `{}` moved by {} m, more than any other body",
+        end.steps,
+        model.bodies[end.body].name,
+        number(end.moved)
     ));
     Ok(Equilibrium { standing: Some(Box::new(there)), ..found })
 }

@@ -19,6 +19,7 @@ use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::{LOOSE, Pairs};
 use crate::dynamics::System;
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::motion::Motion;
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
@@ -160,7 +161,7 @@ impl Search<'_, '_> {
             }
             self.landscape.look(&place.q)?;
             let Some((step, next)) = self.accepted(&place)? else {
-                return Err(Unanswered::Unsettled(format!("no step of the {steps}th goes down")));
+                return Err(Unanswered::Unsettled(format!("no length of step {steps} goes down")));
             };
             let far = self.farthest(&place.q, &step.full);
             travelled += far;
@@ -175,7 +176,8 @@ impl Search<'_, '_> {
             }
             if travelled > FAR * self.model.length_scale() {
                 return Err(Unanswered::Unsettled(format!(
-                    "it has moved by {travelled:.3e} m, {FAR} times its own size, and nothing stops it"
+                    "it has moved by {} m, {FAR} times its own size, and nothing stops it",
+                    number(travelled)
                 )));
             }
         }

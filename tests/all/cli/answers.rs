@@ -150,3 +150,48 @@ fn an_unknown_that_nothing_feels_is_answered_with_no() {
     let answer = bench.call(&["statics", "door.toml"]).code(1);
     assert!(answer.out.contains("the unknown `gravity[2]` cannot influence the pose"), "{}", answer.out);
 }
+
+/// Panels on a hub in space, springs as far from rest as they are put: where nothing pulls any more there is no force to be small beside.
+#[test]
+fn relaxed_springs_in_space_are_an_equilibrium() {
+    let bench = Bench::new();
+    for (position, stiffness) in [(-1.5, 2.0), (0.3, 1e6), (1e-9, 1e-3)] {
+        let panel = |name: &str, side: f64| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmass = 12\ncenter = [0, {side:?}, 0]\ninertia = [4.0, 0.4, 4.4]\n\
+                 hinge = {{ parent = \"hub\", at = [0, {:?}, 0], type = \"revolute\", axis = [{side:?}, 0, 0], \
+                 stiffness = {stiffness:?}, position = {position:?} }}\n",
+                0.6 * side
+            )
+        };
+        bench.write(
+            "space.toml",
+            "gravity = [0, 0, 0]\n[[body]]\nname = \"hub\"\nmass = 200\ninertia = [60, 70, 80]\nhinge = { type = \"free\" }\n".to_owned()
+                + &panel("left", 1.0)
+                + &panel("right", -1.0)
+                + "[[drive]]\nname = \"hold\"\nhinge = \"right\"\ntype = \"hold\"\n",
+        );
+        let found = bench.call(&["statics", "space.toml", "--json"]).code(0).json();
+        let left = found["positions"]["left"][0].as_f64().expect("an angle");
+        assert!(left.abs() < 1e-15 && found["iterations"].as_f64() < Some(10.0), "{left}: {found}");
+        assert!(found["relative_residual"].as_f64() < Some(1e-10), "{found}");
+    }
+}
+
+/// What opens keeps the velocity that it has on what carried it, when a stage is looked at by itself.
+#[test]
+fn a_stage_is_inspected_with_the_velocities_of_what_has_opened() {
+    let bench = Bench::new();
+    bench.write(
+        "open.toml",
+        "gravity = [0, 0, 0]\n[[body]]\nname = \"bar\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { type = \"revolute\", axis = [0, 1, 0], velocity = 1.0 }\n\
+         [[body]]\nname = \"tip\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { parent = \"bar\", at = [0.5, 0, 0], type = \"revolute\", axis = [0, 1, 0] }\n\
+         [[stage]]\nname = \"off\"\nwhen = { time = 0.0 }\nopen = [\"tip\"]\n",
+    );
+    let seen = bench.call(&["inspect", "open.toml", "--stage", "off", "--json"]).code(0).json();
+    assert_eq!(seen["velocities"]["tip"], serde_json::json!([0.0, 0.0, -0.5, 0.0, 1.0, 0.0]), "{seen}");
+    // 0.05 J of the bar, 0.125 + 0.05 J of what has left it.
+    assert!((seen["kinetic_energy"].as_f64().expect("a number") - 0.225).abs() < 1e-15, "{seen}");
+}
