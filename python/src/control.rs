@@ -1,5 +1,6 @@
 //! Python functions as controllers of a run.
 
+use crate::dynamics::shown;
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -95,23 +96,33 @@ pub(crate) fn set(model: &Model, answer: &Bound<'_, PyAny>, inputs: &mut [f64]) 
     }
     if let Ok(some) = answer.cast::<PyDict>() {
         for (key, value) in some.iter() {
-            let key: String = key.extract()?;
+            let key: String = key.extract().map_err(|_| refused(&key, "a key of the inputs", "the name of a motor"))?;
             let Some(index) = (0..inputs.len()).find(|index| name(*index) == key) else {
                 let near = stillpoint::suggest::closest(&key, (0..inputs.len()).map(name));
                 let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
                 return Err(PyKeyError::new_err(format!("no input is called `{key}`{near}")));
             };
-            inputs[index] = value.extract()?;
+            inputs[index] = value.extract().map_err(|_| refused(&value, &format!("the input `{key}`"), "a number"))?;
         }
         return check(model, inputs);
     }
-    let numbers: Vec<f64> = answer.extract::<f64>().map(|one| vec![one]).or_else(|_| answer.extract())?;
+    let numbers = answer.extract::<f64>().map(|one| vec![one]).or_else(|_| answer.extract());
+    let numbers: Vec<f64> = numbers.map_err(|_: PyErr| {
+        let names: Vec<&str> = (0..inputs.len()).map(name).collect();
+        let form = format!("a number, a list of {}, a dictionary with `{}`, or None", inputs.len(), names.join("`, `"));
+        refused(answer, "what sets the inputs (the answer of a controller, or `inputs`)", &form)
+    })?;
     if numbers.len() != inputs.len() {
         let message = format!("{} numbers for {} inputs", numbers.len(), inputs.len());
         return Err(PyValueError::new_err(message));
     }
     inputs.copy_from_slice(&numbers);
     check(model, inputs)
+}
+
+/// Something of another type than is expected.
+fn refused(given: &Bound<'_, PyAny>, what: &str, expected: &str) -> PyErr {
+    PyTypeError::new_err(format!("{what} is {}, expected: {expected}", shown(given)))
 }
 
 fn check(model: &Model, inputs: &[f64]) -> PyResult<()> {

@@ -1,17 +1,17 @@
 //! The equations of motion at any state.
 
+use crate::scene::Scene;
 use faer::Mat;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
-use pyo3::exceptions::{PyArithmeticError, PyKeyError, PyValueError};
+use pyo3::exceptions::{PyArithmeticError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use std::borrow::Cow;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stillpoint::dynamics::System;
 use stillpoint::model::{Body, Model};
 use stillpoint::suggest::closest;
 
 /// Anything that numpy takes as a list of numbers.
-type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+type Numbers<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// Two matrices, as numpy has them.
 type Pair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -20,23 +20,51 @@ type Pair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 /// stops are open and dry friction is left out. Time is 0.
 #[pyclass(frozen, module = "stillpoint")]
 pub(crate) struct Dynamics {
+    scene: Py<Scene>,
     model: Arc<Model>,
     system: Mutex<System>,
 }
 
-/// The numbers of an array, copied if they do not lie one after the other.
-fn list<'a>(array: &'a Numbers<'_>) -> Cow<'a, [f64]> {
-    array.as_slice().map_or_else(|_| Cow::Owned(array.as_array().iter().copied().collect()), Cow::Borrowed)
+/// Letters of a value that are shown.
+const SHOWN: usize = 60;
+
+/// The shape of what numpy takes for an array of several dimensions.
+fn shape(given: &Bound<'_, PyAny>) -> Option<String> {
+    let shape = given.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (given,))).ok()?;
+    (shape.len().ok()? > 1).then(|| shape.to_string())
 }
 
-/// What is wrong with a list of numbers.
-fn check(name: &str, numbers: &[f64], count: usize) -> PyResult<()> {
+/// What was given in the place of something else: the value, shortened, and its type.
+pub(crate) fn shown(given: &Bound<'_, PyAny>) -> String {
+    let value = given.repr().map_or_else(|_| "something".to_owned(), |repr| repr.to_string());
+    let value = match value.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{} …", &value[..end]),
+        None => value,
+    };
+    let of_type = given.get_type().name().map_or_else(|_| "unknown".to_owned(), |name| name.to_string());
+    format!("{value} (type `{of_type}`)")
+}
+
+/// One list of numbers, whatever numpy takes for that.
+fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
+    match given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
+        Ok(array) => Ok(array.as_array().iter().copied().collect()),
+        Err(_) => Err(match shape(given) {
+            Some(shape) => PyValueError::new_err(format!("{name} has the shape {shape}, expected: {expected}")),
+            None => PyTypeError::new_err(format!("{name} is {}, expected: {expected}", shown(given))),
+        }),
+    }
+}
+
+/// The numbers of an argument: so many, and all of them finite.
+fn list(name: &str, given: Numbers<'_, '_>, count: usize) -> PyResult<Vec<f64>> {
+    let numbers = numbers(&format!("`{name}`"), given, &format!("a list of {count} numbers"))?;
     if numbers.len() != count {
         return Err(PyValueError::new_err(format!("`{name}` has {} numbers, the scene {count}", numbers.len())));
     }
     match numbers.iter().position(|number| !number.is_finite()) {
         Some(at) => Err(PyValueError::new_err(format!("`{name}[{at}]` is {}, allowed: finite numbers", numbers[at]))),
-        None => Ok(()),
+        None => Ok(numbers),
     }
 }
 
@@ -64,26 +92,46 @@ fn fault(error: stillpoint::dynamics::Fault) -> PyErr {
     PyArithmeticError::new_err(error.to_string())
 }
 
+/// Where a point is on its body (m).
+fn place(at: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    const NAME: &str = "the place in `point`";
+    const THREE: &str = "[x, y, z] in the axes of the body";
+    let place = <[f64; 3]>::try_from(numbers(NAME, at, THREE)?)
+        .map_err(|other| PyValueError::new_err(format!("{NAME} has {} numbers, expected: {THREE}", other.len())))?;
+    match place.iter().position(|number| !number.is_finite()) {
+        Some(i) => Err(PyValueError::new_err(format!("{NAME} is {} at [{i}], allowed: finite numbers", place[i]))),
+        None => Ok(place),
+    }
+}
+
 impl Dynamics {
-    pub(crate) fn new(model: &Arc<Model>) -> Self {
-        Self { model: Arc::clone(model), system: Mutex::new(System::new(model)) }
+    pub(crate) fn new(scene: Py<Scene>, model: &Arc<Model>) -> Self {
+        Self { scene, model: Arc::clone(model), system: Mutex::new(System::new(model)) }
     }
 
     fn system(&self) -> MutexGuard<'_, System> {
         self.system.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn check(&self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> PyResult<()> {
-        check("q", q, self.model.position_count())?;
-        v.map_or(Ok(()), |v| check("v", v, self.model.velocity_count()))?;
-        a.map_or(Ok(()), |a| check("a", a, self.model.velocity_count()))
+    fn positions(&self, q: Numbers<'_, '_>) -> PyResult<Vec<f64>> {
+        list("q", q, self.model.position_count())
+    }
+
+    fn velocities_of(&self, name: &str, v: Numbers<'_, '_>) -> PyResult<Vec<f64>> {
+        list(name, v, self.model.velocity_count())
     }
 
     /// A point by `"body.marker"`, `"body"` or `("body", [x, y, z])`: its link, and where it is there.
     fn point(&self, point: &Bound<'_, PyAny>) -> PyResult<(usize, [f64; 3])> {
-        let (name, at) = match point.extract::<(String, [f64; 3])>() {
-            Ok((name, at)) => (name, Some(at)),
-            Err(_) => (point.extract::<String>()?, None),
+        let (name, at) = match point.extract::<String>() {
+            Ok(name) => (name, None),
+            Err(_) => {
+                let (name, at) = point.extract::<(String, Bound<'_, PyAny>)>().map_err(|_| {
+                    let form = "expected: \"body.marker\", \"body\" or (\"body\", [x, y, z])";
+                    PyTypeError::new_err(format!("`point` is {}, {form}", shown(point)))
+                })?;
+                (name, Some(place(&at)?))
+            }
         };
         let (body, marker) = match (at, self.model.body(&name), name.rsplit_once('.')) {
             (Some(at), body, _) => (body, Some(at)),
@@ -140,11 +188,10 @@ impl Dynamics {
     fn acceleration<'py>(
         &self,
         py: Python<'py>,
-        q: Numbers<'py>,
-        v: Numbers<'py>,
+        q: Numbers<'_, 'py>,
+        v: Numbers<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (q, v) = (&*list(&q), &*list(&v));
-        self.check(q, Some(v), None)?;
+        let (q, v) = (&*self.positions(q)?, &*self.velocities_of("v", v)?);
         let a = PyArray1::zeros(py, self.model.velocity_count(), false);
         let mut out = a.readwrite();
         self.system().at(0.0, q, v).accelerations(out.as_slice_mut()?).map_err(fault)?;
@@ -156,12 +203,11 @@ impl Dynamics {
     fn inverse<'py>(
         &self,
         py: Python<'py>,
-        q: Numbers<'py>,
-        v: Numbers<'py>,
-        a: Numbers<'py>,
+        q: Numbers<'_, 'py>,
+        v: Numbers<'_, 'py>,
+        a: Numbers<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (q, v, a) = (&*list(&q), &*list(&v), &*list(&a));
-        self.check(q, Some(v), Some(a))?;
+        let (q, v, a) = (&*self.positions(q)?, &*self.velocities_of("v", v)?, &*self.velocities_of("a", a)?);
         let force = PyArray1::zeros(py, self.model.velocity_count(), false);
         let mut out = force.readwrite();
         let mut system = self.system();
@@ -172,9 +218,8 @@ impl Dynamics {
     }
 
     /// M(q).
-    fn mass<'py>(&self, py: Python<'py>, q: Numbers<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let q = &*list(&q);
-        self.check(q, None, None)?;
+    fn mass<'py>(&self, py: Python<'py>, q: Numbers<'_, 'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let q = &*self.positions(q)?;
         let v = vec![0.0; self.model.velocity_count()];
         let mut system = self.system();
         let linear = system.at(0.0, q, &v).linearize(&v).map_err(fault)?;
@@ -182,9 +227,8 @@ impl Dynamics {
     }
 
     /// (∂q̈/∂q, ∂q̈/∂v) in velocity coordinates: of a ball's quaternion along a small turn about its own axes.
-    fn derivatives<'py>(&self, py: Python<'py>, q: Numbers<'py>, v: Numbers<'py>) -> PyResult<Pair<'py>> {
-        let (q, v) = (&*list(&q), &*list(&v));
-        self.check(q, Some(v), None)?;
+    fn derivatives<'py>(&self, py: Python<'py>, q: Numbers<'_, 'py>, v: Numbers<'_, 'py>) -> PyResult<Pair<'py>> {
+        let (q, v) = (&*self.positions(q)?, &*self.velocities_of("v", v)?);
         let (by_position, by_velocity) = self.system().at(0.0, q, v).acceleration_jacobians().map_err(fault)?;
         Ok((matrix(py, &by_position), matrix(py, &by_velocity)))
     }
@@ -196,11 +240,10 @@ impl Dynamics {
         &self,
         py: Python<'py>,
         point: &Bound<'py, PyAny>,
-        q: Numbers<'py>,
+        q: Numbers<'_, 'py>,
         angular: bool,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let q = &*list(&q);
-        self.check(q, None, None)?;
+        let q = &*self.positions(q)?;
         let (link, at) = self.point(point)?;
         let n = self.model.velocity_count();
         let mut columns = Mat::zeros(if angular { 6 } else { 3 }, n);
@@ -229,6 +272,11 @@ impl Dynamics {
             unit[j] = 0.0;
         }
         Ok(matrix(py, &columns))
+    }
+
+    /// The dynamics of the scene that they are of.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<Scene>,))> {
+        Ok((py.get_type::<Scene>().getattr("dynamics")?, (self.scene.clone_ref(py),)))
     }
 
     fn __repr__(&self) -> String {

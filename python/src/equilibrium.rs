@@ -37,6 +37,16 @@ pub(crate) struct Mode {
 
 #[pymethods]
 impl Mode {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (f64, f64, f64))> {
+        let again = py.get_type::<Self>().getattr("_again")?;
+        Ok((again, (self.frequency, self.damping_ratio, self.decay_rate)))
+    }
+
+    #[staticmethod]
+    fn _again(frequency: f64, damping_ratio: f64, decay_rate: f64) -> Self {
+        Self { frequency, damping_ratio, decay_rate }
+    }
+
     fn __repr__(&self) -> String {
         format!("Mode(frequency={:.6}, damping_ratio={:.4})", self.frequency, self.damping_ratio)
     }

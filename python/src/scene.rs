@@ -373,8 +373,8 @@ impl Scene {
     }
 
     /// The equations of motion of the smooth scene: stops are open, dry friction is left out.
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::new(&self.model)
+    fn dynamics(slf: &Bound<'_, Self>) -> Dynamics {
+        Dynamics::new(slf.clone().unbind(), &slf.get().model)
     }
 
     fn __repr__(&self) -> String {

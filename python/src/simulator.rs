@@ -40,10 +40,10 @@ impl Simulator {
             }
             let begin = now.snapshot().time;
             let time = until(begin);
-            if !(time > begin && time.is_finite()) {
-                return Err(format!("`time` is {time}, allowed: later than {begin} s"));
+            if !(time >= begin && time.is_finite()) {
+                return Err(format!("`time` is {time}, allowed: not earlier than {begin} s"));
             }
-            let done = now.advance(time, &|| watched.go_on());
+            let done = if time > begin { now.advance(time, &|| watched.go_on()) } else { Ok(()) };
             if done.is_ok() && watched.go_on() {
                 *self.now() = now;
             }
@@ -121,7 +121,7 @@ impl Simulator {
         self.now().events().iter().map(of_event).collect()
     }
 
-    /// Goes on to a time (s).
+    /// Goes on to a time (s); nothing happens if it is there.
     fn advance(&self, py: Python<'_>, time: f64) -> PyResult<()> {
         self.go(py, None, |_| time)
     }

@@ -66,6 +66,13 @@ def test_what_does_not_fit_together_is_said():
         scene.fit({"weight.force[2]": [0.0], "angle": [0.05, 0.0]}, ["arm.stiffness"])
 
 
+def test_what_runs_off_has_not_converged():
+    scene = stillpoint.load(FITS / "test_rig.toml")
+    fit = scene.fit({"weight.force[2]": [0.0, -5.0, -9.0], "angle": [0.05, 0.09, 0.12]}, ["arm.stiffness"])
+    assert not fit.converged and np.isnan(fit.errors["arm.stiffness"])
+    assert "runs off" in repr(fit) and "no minimum" in fit.notes[0]
+
+
 def run():
     return stillpoint.load(ROOT / "scenarios" / "spring_arm.toml").run(0.5)
 

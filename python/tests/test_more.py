@@ -92,6 +92,10 @@ def test_inputs_by_name_in_a_list_or_left():
         scene.run(controller=lambda t, y: math.nan, period=0.5)
     with pytest.raises(TypeError, match="belong together"):
         scene.run(controller=lambda t, y: 0.0)
+    with pytest.raises(TypeError, match="sets the inputs .* is 'much' .* expected: a number, a list of 1, a dictionary with `push`"):
+        scene.run(controller=lambda t, y: "much", period=0.5)
+    with pytest.raises(TypeError, match="the input `push` is 'much' .* expected: a number"):
+        scene.run(controller=lambda t, y: {"push": "much"}, period=0.5)
 
 
 def test_an_exception_of_a_controller_ends_the_run_and_keeps_what_there_is():
@@ -131,10 +135,20 @@ def test_stepping_by_hand_is_a_run():
     simulator.set(q=[0.1], v=[0.0], inputs=0.0, time=0.0)
     simulator.advance(0.7)
     assert abs(simulator.q[0] - held(0.1, 0, 0, 0.7)[0]) < 1e-8
-    with pytest.raises(ValueError, match="later than"):
+    with pytest.raises(ValueError, match="not earlier than"):
         simulator.advance(0.1)
     with pytest.raises(ValueError, match="`q` has 2 numbers"):
         simulator.set(q=[0, 1])
+
+
+def test_to_where_it_is_a_simulator_has_no_way_to_go():
+    simulator = stillpoint.describe(SLIDER).simulator()
+    simulator.advance(0)
+    simulator.step(0.0, inputs=3.0)
+    assert simulator.time == 0 and simulator.q[0] == 0.3 and simulator.inputs == {"push": 3.0}
+    simulator.advance(0.5)
+    simulator.advance(0.5)
+    assert simulator.time == 0.5 and abs(simulator.q[0] - held(0.3, 0, 3.0, 0.5)[0]) < 1e-8
 
 
 def test_stepping_by_hand_meets_stops():

@@ -129,8 +129,17 @@ def test_wrong_numbers_are_named():
         dynamics.acceleration([0, 1], [0])
     with pytest.raises(ValueError, match=r"`v\[0\]` is nan|`v\[0\]` is NaN"):
         dynamics.acceleration([0], [math.nan])
-    with pytest.raises((TypeError, ValueError)):
+    with pytest.raises(TypeError, match=r"`q` is \['a'\] \(type `list`\), expected: a list of 1 numbers"):
         dynamics.acceleration(["a"], [0])
+    for wrong in (np.zeros((1, 1)), [[0.0]]):
+        with pytest.raises(ValueError, match=r"`q` has the shape \(1, 1\), expected: a list of 1 numbers"):
+            dynamics.acceleration(wrong, [0])
+    with pytest.raises(ValueError, match=r"the place in `point` is (nan|NaN) at \[2\]"):
+        dynamics.jacobian(("bob", [0, 0, math.nan]), [0])
+    with pytest.raises(ValueError, match=r"the place in `point` has 2 numbers, expected: \[x, y, z\]"):
+        dynamics.jacobian(("bob", [0, 0]), [0])
+    with pytest.raises(TypeError, match="`point` is 3 .*expected: .body.marker."):
+        dynamics.jacobian(3, [0])
     with pytest.raises(ValueError, match="allowed: above 0"):
         stillpoint.describe(PENDULUM).run(-1)
 
@@ -146,6 +155,17 @@ def test_scenes_are_pickled_and_changed():
     heavier = pickle.loads(pickle.dumps(scene.with_set({"bob.mass": 3.0})))
     force, _ = heavier.equilibrium().reactions["bob"]
     assert abs(force[2] - 3 * 9.81) < 1e-9
+
+
+def test_modes_linear_equations_and_dynamics_are_pickled():
+    scene = stillpoint.describe(PENDULUM)
+    rest = scene.equilibrium()
+    mode, linear, dynamics = (pickle.loads(pickle.dumps(one)) for one in (rest.modes[0], rest.linearize(), scene.dynamics()))
+    assert (mode.frequency, mode.damping_ratio) == (rest.modes[0].frequency, rest.modes[0].damping_ratio)
+    for name in "ABCD":
+        assert np.array_equal(getattr(linear, name), getattr(rest.linearize(), name))
+    assert linear.states == rest.linearize().states
+    assert dynamics.acceleration([0.3], [0.1]) == scene.dynamics().acceleration([0.3], [0.1])
 
 
 def test_a_scene_is_its_own_whatever_becomes_of_its_file(tmp_path):

@@ -8,7 +8,7 @@
 //! | `strut.length`, `strut.stiffness` | a spring's or rope's free length and stiffness; of a curve its length |
 //! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
-//! | `blade.length`, `blade.young`, `stay.pretension` | a straight beam's or cable's length, Young's modulus, a cable's tension as given |
+//! | `blade.length`, `blade.young`, `stay.pretension` | a straight beam's or cable's length, Young's modulus (`blade.material.young`, too), a cable's tension as given |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
 //! | `servo.force`, `servo.stiffness` | the force of a motor, its gain |
 //! | `force[2].length`, `drive[0].rate` | of what stands there in the file, whatever its name |
@@ -55,13 +55,15 @@ pub enum Quantity {
     Speed,
     /// Angular rate (rad/s).
     TurnRate,
+    /// Stress, or a modulus of elasticity (Pa).
+    Stress,
     /// In SI units, which of them is not said: a named number without a unit, or with one of another kind.
     Plain,
 }
 
 impl Quantity {
     /// The quantities with a unit.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Force,
         Self::Torque,
         Self::Length,
@@ -72,6 +74,7 @@ impl Quantity {
         Self::Acceleration,
         Self::Speed,
         Self::TurnRate,
+        Self::Stress,
     ];
 
     /// The quantity with this SI unit.
@@ -92,6 +95,7 @@ impl Quantity {
             Self::Acceleration => "m/s²",
             Self::Speed => "m/s",
             Self::TurnRate => "rad/s",
+            Self::Stress => "Pa",
             Self::Plain => "",
         }
     }
@@ -305,9 +309,10 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
     Some(((0..description.bodies.len()).map(Element::Body).collect(), key))
 }
 
-/// The keys of a hinge may be written with and without `hinge.`.
+/// The keys of a hinge may be written with and without `hinge.`, those of a material with and without `material.`.
 fn key_of(rest: &str) -> &str {
-    rest.strip_prefix("hinge.").unwrap_or(rest)
+    let of_material = rest.strip_prefix("material.").filter(|key| *key == Field::Young.name());
+    of_material.or_else(|| rest.strip_prefix("hinge.")).unwrap_or(rest)
 }
 
 /// The numbers of an element under a key; none if it has no such key.
@@ -403,7 +408,7 @@ fn of_beam(beam: &BeamDescription, field: Field) -> Option<Quantity> {
     match (field, &beam.shape) {
         (Field::Length, BeamShape::Straight { .. }) if !is_tensioned => Some(Quantity::Length),
         (Field::Pretension, _) => is_tensioned.then_some(Quantity::Force),
-        (Field::Young, _) => beam.material.map(|_| Quantity::Plain),
+        (Field::Young, _) => beam.material.map(|_| Quantity::Stress),
         _ => None,
     }
 }

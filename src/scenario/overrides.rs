@@ -7,6 +7,7 @@
 //! | `model.base` | how a model is taken; its bodies and hinges are set by name like all others |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
+//! | `boom.material.young`, `boom.young` | a key of the material of a beam or a cable |
 //! | `stay.stiffness`, `force[0].stiffness` | a key of a force, by its name or its place, and so of whatever else is a list in the file: loops, drives, gears, motors, events |
 //! | `link[3].stiffness` | of one copy of a repeated body, if copies may differ in it |
 //! | `gravity[2]`, `push.force[0]`, `slider.position[1]` | one component of a list |
@@ -19,7 +20,7 @@ mod overlap;
 
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
-use super::format::{BODY, HINGE, SCENARIO};
+use super::format::{BODY, HINGE, MATERIAL, SCENARIO};
 use super::quantities::PARAMETERS;
 use super::reader::number;
 use super::sources::Sources;
@@ -169,7 +170,7 @@ impl<'a> Change<'a> {
         if let Some(Target { element: (list, index), copy, rest }) = element(self.path, document)
             && let Some(table) = element_mut(document, list.name, index)
         {
-            let path = if list.name == BODY.name { self.body_path(rest)? } else { self.element_path(list, rest)? };
+            let path = self.element_path(list, rest)?;
             return match copy {
                 Some(copy) => self.set_copy(table, copy, &path),
                 None => self.set(table, list, &path),
@@ -197,24 +198,18 @@ impl<'a> Change<'a> {
         Err(Finding::error(self.span.clone(), message).maybe_help(help))
     }
 
-    /// The keys of a hinge may be written without `hinge.`.
-    fn body_path(&self, path: &'a str) -> Result<Cow<'a, str>, Finding> {
-        let key = first_key(path);
-        if BODY.declarations(key).next().is_some() {
-            return Ok(Cow::Borrowed(path));
+    /// The path as it stands in the file.
+    fn element_path(&self, table: &'static Table, path: &'a str) -> Result<Cow<'a, str>, Finding> {
+        if let Some(full) = full_path(table, path) {
+            return Ok(full);
         }
-        if HINGE.declarations(key).next().is_some() || key == "type" {
-            return Ok(Cow::Owned(format!("hinge.{path}")));
-        }
-        Err(self.unknown_key("a body and its hinge have", key, BODY.names(None).chain(HINGE.names(None)).collect()))
-    }
-
-    fn element_path(&self, table: &Table, path: &'a str) -> Result<Cow<'a, str>, Finding> {
-        let key = first_key(path);
-        if table.declarations(key).next().is_some() || (key == "type" && !table.types.is_empty()) {
-            return Ok(Cow::Borrowed(path));
-        }
-        Err(self.unknown_key(&format!("{} {} has", article(table.name), table.name), key, table.names(None).collect()))
+        let of_part = part(table).map(|(_, part)| part.names(None));
+        let names = table.names(None).chain(of_part.into_iter().flatten()).collect();
+        let who = match table.name == BODY.name {
+            true => "a body and its hinge have".to_owned(),
+            false => format!("{} {} has", article(table.name), table.name),
+        };
+        Err(self.unknown_key(&who, first_key(path), names))
     }
 
     fn unknown_key(&self, who: &str, key: &str, mut names: Vec<&'static str>) -> Finding {
@@ -327,6 +322,27 @@ impl<'a> Change<'a> {
     }
 }
 
+/// The table within an element whose keys may be written without its name: the hinge of a body, the material of a beam or a cable.
+fn part(table: &Table) -> Option<(&'static str, &'static Table)> {
+    let has_material = table.declarations(MATERIAL.name).next().is_some();
+    match table.name == BODY.name {
+        true => Some(("hinge", &HINGE)),
+        false => has_material.then_some((MATERIAL.name, &MATERIAL)),
+    }
+}
+
+/// A path from an element as it stands in the file; `None` if its first key is not known.
+fn full_path<'p>(table: &Table, path: &'p str) -> Option<Cow<'p, str>> {
+    let has =
+        |table: &Table, key: &str| table.declarations(key).next().is_some() || key == "type" && !table.types.is_empty();
+    let key = first_key(path);
+    if has(table, key) {
+        return Some(Cow::Borrowed(path));
+    }
+    let (name, _) = part(table).filter(|(_, part)| has(part, key))?;
+    Some(Cow::Owned(format!("{name}.{path}")))
+}
+
 /// The first key of a path, without its component.
 fn first_key(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or_default()
@@ -344,11 +360,7 @@ fn walk<'t, 'a>(table: &'t DeTable<'a>, path: &str, with_component: bool) -> Opt
 
 /// The element that a path begins with: list, index and copy.
 fn element<'p>(path: &'p str, document: &DeTable<'_>) -> Option<Target<'p, (&'static Table, usize)>> {
-    let has = |(table, _): (&'static Table, usize), path: &str| {
-        let key = first_key(path);
-        let of_hinge = table.name == BODY.name && (HINGE.declarations(key).next().is_some() || key == "type");
-        of_hinge || table.declarations(key).next().is_some()
-    };
+    let has = |(table, _): (&'static Table, usize), path: &str| full_path(table, path).is_some();
     resolve(path, entries(document), has)
 }
 

@@ -45,9 +45,14 @@ impl Axis {
 
     /// Its values as numbers, in SI units; `None` if one of them is none.
     pub fn numbers(&self) -> Option<Vec<f64>> {
-        let number = |text: &String| Quantity::parse(unquoted(text).unwrap_or(text)).ok().map(|found| found.value);
+        let number = |text: &String| Quantity::parse(word(text)).ok().map(|found| found.value);
         self.values.iter().map(number).collect()
     }
+}
+
+/// A value as it is meant: without the quotes in which it may be written.
+pub fn word(text: &str) -> &str {
+    unquoted(text).unwrap_or(text)
 }
 
 /// The inside of a text that is one pair of quotes.
@@ -85,7 +90,7 @@ fn split(text: &str, separator: char) -> Vec<&str> {
 
 /// A range of numbers, in one unit where they have one: both ends have the same.
 fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
-    let [from, to] = [from, to].map(|end| unquoted(end).unwrap_or(end));
+    let [from, to] = [from, to].map(word);
     let ([from, from_unit], [to, to_unit]) = (split_unit(from), split_unit(to));
     if from_unit != to_unit {
         return Err(format!("both ends of a range have the same unit: `{from_unit}` is not `{to_unit}`"));

@@ -230,7 +230,7 @@ impl Cases {
         cells.push(Cell::Whole(case as i64));
         cells.extend(values.into_iter().map(|value| match value {
             Value::Written(_, Some(number)) | Value::Drawn(number) => Cell::Number(number),
-            Value::Written(word, None) => Cell::Word(word.to_owned().into()),
+            Value::Written(text, None) => Cell::Word(axis::word(text).to_owned().into()),
         }));
         cells.push(Cell::Flag(error.is_none()));
         cells.push(error.clone().map_or(Cell::Empty, |why| Cell::Word(why.into())));
@@ -451,5 +451,12 @@ mod tests {
         }
         // Words and named numbers are read.
         assert!(cases("statics.want=any,stable").direct.is_none());
+    }
+
+    #[test]
+    fn words_stand_in_their_column_without_quotes() {
+        let quoted = cases("statics.want=\"any\",'stable',any");
+        let words = (0..3).map(|case| quoted.row(case, &|| true).expect("a row").cells[1].to_string());
+        assert_eq!(words.collect::<Vec<_>>(), ["any", "stable", "any"]);
     }
 }

@@ -3,7 +3,7 @@
 //! A distribution is asked for its quantile function `F⁻¹` alone: every way to sample gives probabilities `u` in (0, 1), and
 //! `x = F⁻¹(u)` has the distribution.
 
-use crate::quantity::Quantity;
+use crate::quantity::{Dimension, Quantity};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
 
@@ -28,23 +28,31 @@ pub const FORMS: &str =
     "normal(mean, deviation), lognormal(mean, deviation), uniform(low, high) or triangular(low, mode, high)";
 
 impl Distribution {
-    /// Reads `normal(5, 0.1)`; the numbers may have one unit: `normal(300 mm, 1 mm)`. With it the median, as it may be written
-    /// in a file with this unit.
+    /// Reads `normal(5, 0.1)`; the numbers may have units of one kind: `normal(2 kg, 100 g)`. With it the median, as it may be
+    /// written in a file with the first of these units.
     ///
     /// # Errors
-    /// What is wrong with it: no such distribution, too few numbers, a negative deviation, ends the wrong way round.
+    /// What is wrong with it: no such distribution, too few numbers, units of two kinds or a number without one beside others, a
+    /// negative deviation, ends the wrong way round.
     pub fn parse(text: &str) -> Result<(Self, String), String> {
         let inner = text.trim().strip_suffix(')').and_then(|text| text.split_once('('));
         let (name, inner) = inner.ok_or_else(|| format!("`{text}` is no distribution: write {FORMS}"))?;
         let numbers = inner.split(',').map(|part| number(part.trim())).collect::<Result<Vec<_>, _>>()?;
-        let unit = numbers[0].2;
-        if numbers.iter().any(|(.., other)| *other != unit) {
-            return Err(format!("the numbers of `{text}` have different units"));
+        let Written { dimension, unit, .. } = numbers[0];
+        // An angle has a kind of its own: `deg` beside a number without a unit would be radians.
+        let fits = |other: &Written<'_>| other.dimension == dimension && other.unit.is_empty() == unit.is_empty();
+        if !numbers.iter().all(fits) {
+            return Err(format!(
+                "the numbers of `{text}` have units that measure different things, or only some have one"
+            ));
         }
         let of = |values: Vec<f64>| Self::of(name.trim(), &values).map_err(|why| format!("`{text}`: {why}"));
-        let written = of(numbers.iter().map(|(written, ..)| *written).collect())?;
-        let found = of(numbers.iter().map(|(_, value, _)| *value).collect())?;
-        Ok((found, format!("{:?} {unit}", written.quantile(0.5)).trim_end().to_owned()))
+        let found = of(numbers.iter().map(|one| one.value).collect())?;
+        let median = match numbers.iter().all(|other| other.unit == unit) {
+            true => of(numbers.iter().map(|one| one.number).collect())?.quantile(0.5),
+            false => found.quantile(0.5) / number(&format!("1 {unit}"))?.value,
+        };
+        Ok((found, format!("{median:?} {unit}").trim_end().to_owned()))
     }
 
     fn of(name: &str, values: &[f64]) -> Result<Self, String> {
@@ -124,12 +132,24 @@ pub fn standard_normal_below(z: f64) -> f64 {
     Normal::standard().cdf(z)
 }
 
-/// A number as it is written, in SI units, and its unit.
-fn number(text: &str) -> Result<(f64, f64, &str), String> {
+/// A number with a unit, as it is written.
+#[derive(Debug, Clone, Copy)]
+struct Written<'t> {
+    /// In its unit.
+    number: f64,
+    /// In SI units and radians.
+    value: f64,
+    /// What it measures.
+    dimension: Dimension,
+    /// Empty for none.
+    unit: &'t str,
+}
+
+fn number(text: &str) -> Result<Written<'_>, String> {
     let found = Quantity::parse(text).map_err(|error| format!("`{text}`: {error}"))?;
     let (written, unit) = text.split_at(found.unit_start);
     let written = Quantity::parse(written).map_err(|error| format!("`{text}`: {error}"))?;
-    Ok((written.value, found.value, unit.trim()))
+    Ok(Written { number: written.value, value: found.value, dimension: found.dimension, unit: unit.trim() })
 }
 
 #[cfg(test)]
@@ -165,6 +185,10 @@ mod tests {
         }
         let of_unit = (Distribution::Normal(0.3, 0.001), "300.0 mm".to_owned());
         assert_eq!(Distribution::parse("normal(300 mm, 1 mm)"), Ok(of_unit));
+        let (of_units, median) = Distribution::parse("normal(2 kg, 100 g)").expect("masses");
+        assert_eq!((of_units, median.as_str()), (Distribution::Normal(2.0, 0.1), "2.0 kg"));
+        let (of_units, median) = Distribution::parse("uniform(900 mm, 1.1 m)").expect("lengths");
+        assert_eq!((of_units, median.as_str()), (Distribution::Uniform(0.9, 1.1), "1000.0 mm"));
         assert_eq!(Distribution::parse(" uniform( 1 , 1 ) ").map(|(one, _)| one.quantile(0.3)), Ok(1.0));
     }
 
@@ -176,9 +200,9 @@ mod tests {
             ("normal(1)", "these are 1 numbers"),
             ("normal(1, 2, 3)", "these are 3 numbers"),
             ("normal(1, nan)", "nan"),
-            ("normal(1 m, 2 kg)", "different units"),
-            ("normal(1 m, 2)", "different units"),
-            ("normal(1 m, 2 mm)", "different units"),
+            ("normal(1 m, 2 kg)", "measure different things"),
+            ("normal(1 m, 2)", "only some have one"),
+            ("normal(1 rad, 2)", "only some have one"),
             ("normal()", "begins with a number"),
             ("lognormal(0, 1)", "positive"),
             ("uniform(2, 1)", "above the high end"),

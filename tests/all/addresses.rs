@@ -212,3 +212,23 @@ fn a_model_that_is_set_is_read() {
         assert!(error.contains("nofile.urdf"), "{change}: {error}");
     }
 }
+
+/// A number of a material has one name everywhere, with and without `material.`.
+#[test]
+fn materials_are_addressed_with_and_without_their_name() {
+    let scene = "[[beam]]\nname = \"boom\"\nhinge = { type = \"fixed\" }\nlength = 2.0\nsection = { circle = 0.01 }\n\
+                 material = { young = 70e9, density = 2700.0 }\n";
+    for address in ["boom.young", "boom.material.young"] {
+        let set = read(scene, &[format!("{address}=\"200 GPa\"")]).expect(address);
+        let found = Parameter::find(&set.description, address).expect(address);
+        assert_eq!((found[0].value(&set.description), found[0].quantity.unit()), (200e9, "Pa"), "{address}");
+        let path = format!("statics.path = {{ parameter = \"{address}\", to = \"210 GPa\" }}\n{scene}");
+        assert_eq!(read(&path, &[]).expect(address).path.expect("a path").to, 210e9);
+    }
+    assert!(read(scene, &["boom.density=8000".to_owned()]).is_ok());
+    let refused = read(scene, &["boom.yung=1".to_owned()]).expect_err("no such key");
+    assert!(refused.contains("did you mean `young`?"), "{refused}");
+    let whole = read(scene, &[]).expect("a scene");
+    let (first, later, shared) = whole.overlap(&[], &["boom.young", "boom.material.young"]).expect("one number");
+    assert_eq!((first, later, shared.as_str()), (0, 1, "`boom.material.young`"));
+}

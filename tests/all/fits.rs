@@ -239,3 +239,76 @@ fn the_program_says_which_line_is_no_number() {
     assert_eq!(code, Some(2));
     assert!(error.contains("line 3: `much` in `angle`"), "{error}");
 }
+
+/// Heights that are the better explained the stiffer the spring is: the pan hangs below zero, and was read above.
+const ABOVE: [f64; 3] = [0.02, 0.04, 0.05];
+
+fn above(parameters: &[&str]) -> Fit {
+    fitted(SCALE, &table(&[("pan.mass", &MASSES[..3]), ("z", &ABOVE)]), &question(parameters)).unwrap()
+}
+
+/// `z = −m g / k` comes from below to zero, from which the readings are on the other side.
+#[test]
+fn a_sum_of_squares_that_falls_all_the_way_is_no_minimum() {
+    let found = above(&["pan.stiffness"]);
+    let k = &found.parameters[0];
+    assert!(!found.converged && k.runs_off && k.error.is_none() && k.interval.is_none(), "{found:?}");
+    assert!(
+        found.notes[0].contains("`pan.stiffness` runs off: the sum of squares has no minimum"),
+        "{:?}",
+        found.notes
+    );
+    assert!(!found.notes.iter().any(|note| note.contains("stays where it was")), "{:?}", found.notes);
+}
+
+/// Beside it the weight of the pan makes `z` the better the lighter it is; there is no mass of zero.
+#[test]
+fn what_falls_towards_zero_runs_off_too() {
+    let scene = SCALE.replace("mass = 2.0", "mass = 1.0");
+    let table = table(&[("gravity[2]", &[-8.0, -9.0, -10.0]), ("z", &ABOVE)]);
+    let found = fitted(&scene, &table, &question(&["pan.mass"])).unwrap();
+    assert!(!found.converged && found.parameters[0].runs_off, "{found:?}");
+    assert!(found.notes[0].contains("to zero"), "{:?}", found.notes);
+    assert!(found.parameters[0].value < 1e-3, "{found:?}");
+}
+
+/// Of two parameters the one that has a minimum is not said to run off: at infinite stiffness `rest` would be the mean.
+#[test]
+fn only_what_runs_off_is_named_beside_others() {
+    // Heights that fall less with the mass than any spring lets them: they rise.
+    let found = above(&["pan.stiffness", "pan.rest"]);
+    assert!(!found.converged && found.parameters[0].runs_off && !found.parameters[1].runs_off, "{found:?}");
+    let mean = ABOVE.iter().sum::<f64>() / 3.0;
+    assert!((found.parameters[1].value - mean).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn what_falls_as_far_as_a_bound_is_held_there() {
+    for end in [1e3, 1e9, 1e15] {
+        let found = above(&[&format!("pan.stiffness=100,1..{end:?}")]);
+        let k = &found.parameters[0];
+        assert!(found.converged && k.is_held && k.value == end && !k.runs_off, "{end}: {found:?}");
+    }
+}
+
+/// A cell that is `nan` counts as an empty one, and that is said.
+#[test]
+fn cells_without_a_number_are_counted() {
+    let mut heights = HEIGHTS;
+    heights[1] = f64::NAN;
+    let found =
+        fitted(SCALE, &table(&[("pan.mass", &MASSES), ("z", &heights)]), &question(&["pan.stiffness"])).unwrap();
+    assert_eq!(found.columns[0].count, 4);
+    let said = "1 cell of `z` is empty or `nan`: nothing was measured there";
+    assert!(found.notes.iter().any(|note| note == said), "{:?}", found.notes);
+}
+
+#[test]
+fn a_fit_that_runs_off_has_exit_code_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("up.csv");
+    std::fs::write(&data, "weight.force[2],angle\n0,0.05\n-5,0.09\n-9,0.12\n").unwrap();
+    let (code, json, error) = rig(data.to_str().unwrap(), &["--parameter", "arm.stiffness"]);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(json["converged"] == false && json["parameters"][0]["runs_off"] == true, "{json}");
+}

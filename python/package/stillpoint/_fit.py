@@ -55,7 +55,7 @@ class Fit:
     def _lines(self):
         for one in json.loads(self._text)["parameters"]:
             error = one["standard_error"]
-            spread = "at its bound" if one["held"] else "not determined" if error is None else f"± {error:.2g}"
+            spread = "runs off" if one["runs_off"] else "at its bound" if one["held"] else "not determined" if error is None else f"± {error:.2g}"
             yield one["address"], f"{one['value']:.6g}", spread, one["unit"]
 
     def __repr__(self):

@@ -154,7 +154,7 @@ pub(in crate::cli) fn json(fit: &Fit) -> Value {
     let parameter = |one: &Fitted| {
         json!({
             "address": one.address, "unit": one.unit, "start": one.start, "value": one.value,
-            "standard_error": one.error, "interval": one.interval, "held": one.is_held,
+            "standard_error": one.error, "interval": one.interval, "held": one.is_held, "runs_off": one.runs_off,
         })
     };
     let column = |one: &crate::study::fit::Residual| {
@@ -210,6 +210,7 @@ fn text(fit: &Fit, table: &Table, data: &Path, level: f64) -> String {
     row(["parameter", "value", &format!("± {} %", small(100.0 * level)), "start", ""]);
     for one in &fit.parameters {
         let half = match (one.is_held, one.interval) {
+            _ if one.runs_off => "runs off".to_owned(),
             (true, _) => "at its bound".to_owned(),
             (false, Some(interval)) => format!("± {}", small(0.5 * (interval[1] - interval[0]))),
             (false, None) => "not determined".to_owned(),

@@ -3,6 +3,7 @@
 use super::super::output;
 use super::super::text::{count, number, without_noise};
 use crate::model::Model;
+use crate::study::axis::word;
 use crate::study::plan::Value;
 use crate::study::{Cases, Cell, Row};
 use crate::whole_file::WholeFile;
@@ -104,7 +105,7 @@ fn answers<'r>(cases: &'r Cases, row: &'r Row) -> impl Iterator<Item = (&'r str,
 
 fn json(cases: &Cases, row: &Row) -> serde_json::Value {
     let value = |value: Value<'_>| match value {
-        Value::Written(text, _) => text.parse::<f64>().map_or_else(|_| json!(text), |number| json!(number)),
+        Value::Written(text, _) => text.parse::<f64>().map_or_else(|_| json!(word(text)), |number| json!(number)),
         Value::Drawn(number) => json!(number),
     };
     let named = cases.plan.paths().zip(cases.plan.values(row.case));
@@ -125,7 +126,7 @@ fn json(cases: &Cases, row: &Row) -> serde_json::Value {
 
 fn line(cases: &Cases, row: &Row, length: f64) -> String {
     let shown = |value: Value<'_>| match value {
-        Value::Written(text, _) => text.to_owned(),
+        Value::Written(text, _) => word(text).to_owned(),
         Value::Drawn(drawn) => number(drawn),
     };
     let named = cases.plan.paths().zip(cases.plan.values(row.case));

@@ -6,7 +6,9 @@
 use super::super::fields::Table;
 use super::super::format::{BODY, HINGE, SCENARIO};
 use super::super::{Scenario, document};
-use super::{Override, component, element, elements, entries, first_key, holds_table, split_component, walk};
+use super::{
+    Override, component, element, elements, entries, first_key, full_path, holds_table, split_component, walk,
+};
 use crate::model::address::Target;
 use std::fmt::Write;
 use toml::de::{DeTable, DeValue};
@@ -198,8 +200,7 @@ fn spots(path: &str, document: &DeTable<'_>) -> Vec<Spot> {
         return vec![spot(None, (document, &SCENARIO), None, path)];
     }
     if let Some(Target { element: (list, index), copy, rest }) = element(path, document) {
-        let of_hinge = list.name == BODY.name && !declares(&BODY, first_key(rest));
-        let key = if of_hinge { format!("hinge.{rest}") } else { rest.to_owned() };
+        let Some(key) = full_path(list, rest) else { return Vec::new() };
         let Some(table) = table_of(document, list.name, index) else { return Vec::new() };
         let mut spot = spot(Some((list.name, index)), (table, list), copy, &key);
         if let Some(entry) =

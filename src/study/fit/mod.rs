@@ -15,14 +15,20 @@
 //! | `scenes` | the scene of a row |
 //! | `observe` | what it answers, and the derivatives of that |
 //! | `problem` | residuals of all rows, and their Jacobian |
+//! | `residuals` | what a search asks for, and where it has ended |
 //! | `marquardt` | least squares within bounds |
+//! | `runaway` | whether they have a minimum where the search ends |
+//! | `notes` | what a person should know of the result |
 //! | `confidence` | covariance, intervals, and what is not determined |
 
 mod confidence;
 mod marquardt;
+mod notes;
 mod observe;
 mod problem;
+mod residuals;
 mod roles;
+mod runaway;
 mod scenes;
 pub mod table;
 
@@ -30,15 +36,14 @@ use crate::model::{Model, Parameter};
 use crate::quantity::Quantity;
 use crate::scenario::{Diagnostics, Override, Scenario};
 use confidence::Confidence;
-use marquardt::{Stop, least_squares};
+use marquardt::least_squares;
 use problem::Problem;
+use residuals::{Minimum, Stop};
 use roles::Roles;
 use table::Table;
 
 /// Singular values of the Jacobian below this part of the largest are zero: by exact derivatives, and by differences.
 const RANK: [f64; 2] = [1e-8, 1e-5];
-/// Parameters that are correlated by more than this are told.
-const CLOSE: f64 = 0.99;
 
 /// A number that is fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,6 +168,8 @@ pub struct Fitted {
     pub interval: Option<[f64; 2]>,
     /// It is held by a bound.
     pub is_held: bool,
+    /// The sum of squares has no minimum along it: the value is where the search gave up.
+    pub runs_off: bool,
 }
 
 /// A measured column.
@@ -195,7 +202,7 @@ pub struct Fit {
     pub freedom: usize,
     /// Combinations of parameters that change nothing that was measured: address and part, the first of them 1.
     pub together: Vec<Vec<(String, f64)>>,
-    /// Parameters that nothing measured follows from.
+    /// Parameters that nothing measured follows from where the search has ended.
     pub unfelt: Vec<String>,
     /// Whether it is a minimum.
     pub converged: bool,
@@ -254,7 +261,20 @@ pub fn fit(
         Stop::Interrupted => Trouble::Interrupted,
         Stop::No(why) => Trouble::Wrong(format!("at the start of the search: {why}")),
     })?;
-    let free: Vec<usize> = (0..start.len()).filter(|j| !found.held[*j]).collect();
+    Ok(told(&found, &problem, &start, (scenario, question), table))
+}
+
+/// What the search has found, in words and numbers.
+fn told(
+    found: &Minimum,
+    problem: &Problem<'_>,
+    start: &[f64],
+    (scenario, question): (&Scenario, &Question),
+    table: &Table,
+) -> Fit {
+    let count = start.len();
+    let falls = |j: usize| found.falls.iter().any(|(falling, _)| *falling == j);
+    let free: Vec<usize> = (0..count).filter(|j| !found.held[*j] && !falls(*j)).collect();
     let rank = RANK[usize::from(problem.by_differences.iter().any(|by| *by))];
     let confidence = Confidence::of(&found.jacobian, &found.residuals, &free, rank, question.level);
     let address = |j: usize| question.parameters[j].address.clone();
@@ -269,9 +289,9 @@ pub fn fit(
             error,
             interval: half.map(|half| [found.x[j] - half, found.x[j] + half]),
             is_held: found.held[j],
+            runs_off: falls(j),
         }
     };
-    let count = start.len();
     let mut fit = Fit {
         parameters: (0..count).map(fitted).collect(),
         columns: problem.columns(&found.residuals),
@@ -289,8 +309,8 @@ pub fn fit(
         by_differences: (0..count).filter(|j| problem.by_differences[*j]).map(address).collect(),
         notes: Vec::new(),
     };
-    fit.notes = notes(&fit, problem.weighted_by_spread());
-    Ok(fit)
+    fit.notes = notes::of(&fit, found, table, problem.weighted_by_spread());
+    fit
 }
 
 /// Refuses addresses of which one would undo what another sets: derivatives and errors would be those of another scene.
@@ -341,43 +361,6 @@ fn started(one: &Adjusted, scenario: &Scenario) -> Result<f64, Trouble> {
 
 fn unit(address: &str, scenario: &Scenario) -> &'static str {
     Parameter::find(&scenario.description, address).map_or("", |found| found[0].quantity.unit())
-}
-
-/// What a person should know.
-fn notes(fit: &Fit, by_spread: bool) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !fit.converged {
-        notes.push("the search has not converged: other starts or ranges may help".to_owned());
-    }
-    for name in &fit.unfelt {
-        notes.push(format!("nothing measured follows from `{name}`: it stays where it was"));
-    }
-    for direction in &fit.together {
-        let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{part:+.3e} `{name}`")).collect();
-        notes.push(format!("the data does not determine these alone; nothing changes along {}", parts.join(" ")));
-    }
-    for one in fit.parameters.iter().filter(|one| one.is_held) {
-        notes.push(format!("`{}` is held at the end of its range: intervals are those of the others", one.address));
-    }
-    if fit.freedom == 0 {
-        notes.push("as many measurements as parameters: there are no standard errors".to_owned());
-    }
-    for i in 0..fit.parameters.len() {
-        for j in i + 1..fit.parameters.len() {
-            if let Some(correlation) = fit.correlation(i, j).filter(|x| x.abs() > CLOSE) {
-                let [a, b] = [i, j].map(|at| &fit.parameters[at].address);
-                notes.push(format!(
-                    "`{a}` and `{b}` are correlated by {correlation:+.4}: the data determines mostly one combination"
-                ));
-            }
-        }
-    }
-    if by_spread && fit.columns.len() > 1 {
-        notes.push(
-            "columns count by the spread of what was measured: say their deviations if they are known".to_owned(),
-        );
-    }
-    notes
 }
 
 #[cfg(test)]

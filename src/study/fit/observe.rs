@@ -1,6 +1,6 @@
 //! What the scene of an experiment answers: measured numbers at its equilibrium, or over a run.
 
-use super::marquardt::Stop;
+use super::residuals::Stop;
 use super::roles::Measure;
 use crate::constraint;
 use crate::model::description::Description;

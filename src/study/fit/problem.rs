@@ -1,7 +1,7 @@
 //! The residuals of all measurements, and their Jacobian.
 
-use super::marquardt::{Residuals, Stop};
 use super::observe::{Observed, Solved, at_rest, derivatives, over_time};
+use super::residuals::{Residuals, Stop};
 use super::roles::{Measure, Roles};
 use super::scenes::Scenes;
 use super::table::Table;
@@ -208,6 +208,11 @@ impl<'p> Problem<'p> {
 }
 
 impl Residuals for Problem<'_> {
+    /// Stiffer runs take more steps.
+    fn reach(&self) -> f64 {
+        if self.run { 100.0 } else { 1e6 }
+    }
+
     fn at(&mut self, x: &[f64]) -> Result<DVector<f64>, Stop> {
         self.evaluations += self.experiments.len();
         let seen = side_by_side(self.experiments.len(), &|index| self.observe(&self.experiments[index], x));

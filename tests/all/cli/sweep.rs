@@ -228,3 +228,22 @@ fn what_is_set_is_not_lost_to_what_is_varied() {
         assert!(one["result"]["b.angle"].is_number(), "{one}");
     }
 }
+
+/// Columns are named as they are written, and words in them stand without quotes.
+#[test]
+fn a_table_names_its_columns_as_written_and_has_words_without_quotes() {
+    let bench = Bench::new();
+    let boom = shipped("beams/crane_boom");
+    for address in ["boom.young", "boom.material.young"] {
+        bench.call(&["sweep", &boom, "--over", &format!("{address}=200e9"), "--out", "boom.csv", "--quiet"]).code(0);
+        let table = std::fs::read_to_string(bench.path().join("boom.csv")).expect("a table");
+        assert!(table.starts_with(&format!("case,{address},ok,")), "{address}: {table}");
+    }
+    bench.write("scale.toml", SCALE);
+    let over = ["--over", "simulate.integrator=\"rk4\",dopri5", "--run", "--set", "simulate.duration=0.01"];
+    let answer = bench.call(&[&["sweep", "scale.toml", "--out", "words.csv"], &over[..]].concat()).code(0);
+    let table = std::fs::read_to_string(bench.path().join("words.csv")).expect("a table");
+    let words: Vec<String> = table.lines().map(|line| line.split(',').nth(1).expect("a cell").to_owned()).collect();
+    assert_eq!(words, ["simulate.integrator", "rk4", "dopri5"]);
+    assert!(answer.out.contains("simulate.integrator = rk4 "), "{}", answer.out);
+}
