@@ -3,9 +3,9 @@
 use super::inputs::Inputs;
 use super::{Exit, output, pixels, samples};
 use crate::model::contact::fits;
-use crate::record::drawing::{Drawing, Extras};
+use crate::record::drawing::{Drawing, Extras, LoadTime};
 use crate::record::picture::{Eye, Frame, svg};
-use crate::record::{ContactPush, Footage, OwnedSample};
+use crate::record::{Beyond, ContactPush, Footage, Moment, OwnedSample};
 use crate::suggest::closest;
 use anyhow::{bail, ensure};
 use clap::Args;
@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// The recording, an MCAP file, finished or not
     recording: PathBuf,
-    /// Where the picture goes: its name ends in .svg or .png
-    #[arg(long, short = 'o', value_name = "FILE.png|svg")]
+    /// Where the picture goes: its name ends in .svg, .png or .pdf
+    #[arg(long, short = 'o', value_name = "FILE.png|svg|pdf")]
     out: PathBuf,
     /// Show the sample nearest to this time; default: the first
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
@@ -51,7 +51,7 @@ pub(super) struct Looks {
     /// for anything
     #[arg(long, value_name = "BODIES", value_delimiter = ',')]
     around: Vec<String>,
-    /// Draw constant loads as arrows
+    /// Draw loads as arrows, as they are at the time that is shown
     #[arg(long)]
     loads: bool,
     /// Draw the axes of the hinges as arrows
@@ -84,9 +84,9 @@ impl Looks {
         Ok(footage)
     }
 
-    /// What is drawn; what cannot be is said.
+    /// What is drawn, but for loads, with marks that suit the first sample; what cannot be drawn is said.
     pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> anyhow::Result<Drawing> {
-        let mut extras = Extras { loads: self.loads, hinges: self.hinges, ..Extras::default() };
+        let mut extras = Extras { hinges: self.hinges, ..Extras::default() };
         if !self.around.is_empty() {
             let names: Vec<&str> = footage.recording.scene.bodies.iter().map(|body| body.name.as_str()).collect();
             if let Some(none) = self.around.iter().find(|pattern| !names.iter().any(|name| fits(pattern, name))) {
@@ -104,6 +104,11 @@ impl Looks {
         Ok(drawing)
     }
 
+    /// Whether loads are drawn.
+    pub(super) fn loads(&self) -> bool {
+        self.loads
+    }
+
     pub(super) fn camera(&self) -> Eye {
         self.camera
     }
@@ -113,23 +118,37 @@ impl Looks {
     }
 }
 
-/// The first sample, or the one nearest to a time.
-pub(super) fn sample(footage: &Footage, at: Option<f64>) -> anyhow::Result<OwnedSample> {
+/// The first sample, or the one nearest to a time; that a time is beyond the recording is said.
+pub(super) fn sample(footage: &Footage, at: Option<f64>, quiet: bool) -> anyhow::Result<OwnedSample> {
     if let Some(at) = at {
         ensure!(at.is_finite(), "`--at {at}` is no time");
     }
-    match footage.sample(at)? {
-        Some(sample) => Ok(sample),
-        None => bail!("nothing can be drawn of `{}`: there are no samples in it", footage.recording.path.display()),
+    let file = footage.recording.path.display();
+    let Some(Moment { sample, beyond }) = footage.sample(at)? else {
+        bail!("nothing can be drawn of `{file}`: there are no samples in it");
+    };
+    if let (Some(beyond), Some(at), false) = (beyond, at, quiet) {
+        let (what, which) = match beyond {
+            Beyond::Start => ("before `FILE` begins", "first"),
+            Beyond::End => ("after the end of `FILE`", "last"),
+        };
+        let what = what.replace("FILE", &file.to_string());
+        let time = super::text::number(sample.time);
+        output::warning(&format!("`--at {at}` is {what}: its {which} sample is drawn, that at {time} s"));
     }
+    Ok(sample)
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let encode = pixels::by_name(&arguments.out)?;
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
-    let shown = sample(&footage, arguments.at)?;
-    let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet)?;
+    let shown = sample(&footage, arguments.at, arguments.quiet)?;
+    let first = sample(&footage, None, arguments.quiet)?;
+    let mut drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
+    if arguments.looks.loads() {
+        drawing = drawing.with_loads(LoadTime::At(shown.time));
+    }
     if let Some(loads) = footage.loads(&shown) {
         let most = loads.iter().copied().fold(0.0, f64::max);
         drawing = drawing.shaded(&loads, most);

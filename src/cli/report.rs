@@ -3,6 +3,7 @@
 mod curves;
 pub(super) mod material;
 mod page;
+mod sizes;
 mod tables;
 pub(super) mod words;
 

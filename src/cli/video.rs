@@ -4,7 +4,7 @@ use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::picture::{self, Looks};
 use super::{Exit, number, output};
-use crate::record::drawing::Drawing;
+use crate::record::drawing::{Drawing, LoadTime};
 use crate::record::gltf::Clip;
 use crate::record::picture::{Frame, Painter, Pixels, svg};
 use crate::whole_file::WholeFile;
@@ -57,12 +57,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
-    let first = picture::sample(&footage, None)?;
+    let first = picture::sample(&footage, None, arguments.quiet)?;
     let drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
     let clips = footage.clips()?;
     let interrupt = Interrupt::install()?;
     let poses = clips.iter().flat_map(|clip| &clip.poses).map(Vec::as_slice);
-    let frame = Frame::new(&drawing, poses, arguments.looks.camera(), arguments.looks.size());
+    let (camera, size) = (arguments.looks.camera(), arguments.looks.size());
+    let frame = match arguments.looks.loads() {
+        true => Frame::new(&drawing.clone().with_loads(LoadTime::All), poses, camera, size),
+        false => Frame::new(&drawing, poses, camera, size),
+    };
     let shown = moments(&clips, arguments)?;
     let mut reel = arguments.reel()?;
     let mut progress = Progress::new(1.0, arguments.quiet || arguments.json);
@@ -73,7 +77,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Interrupted);
         }
         progress.part(number as f64 / shown.len() as f64);
-        reel.add(&paint(&painter, &drawing, (&clips[*clip], *index), &frame, most)?)?;
+        let clip = &clips[*clip];
+        let with_loads = || drawing.clone().with_loads(LoadTime::At(clip.times[*index]));
+        let drawing = if arguments.looks.loads() { &with_loads() } else { &drawing };
+        reel.add(&paint(&painter, drawing, (clip, *index), &frame, most)?)?;
     }
     drop(progress);
     let written = reel.finish()?;

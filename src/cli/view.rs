@@ -75,19 +75,22 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
     }
     let footage = Footage::open(&arguments.recording, arguments.meshes)?;
     samples::warn_if_cut(&footage.recording, false);
-    let first = picture::sample(&footage, arguments.at)?;
+    let first = picture::sample(&footage, arguments.at, arguments.quiet)?;
     let mut drawing = footage.drawing(&first.bodies, Extras::default());
     if let Some(loads) = footage.loads(&first) {
         drawing = drawing.shaded(&loads, loads.iter().copied().fold(0.0, f64::max));
     }
     let clips = if arguments.at.is_some() { Vec::new() } else { footage.clips()? };
-    let content = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);
-    output::save(file, &content)?;
+    let written = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);
+    output::save(file, &written.bytes)?;
     if !arguments.quiet {
         footage.notes.iter().chain(&drawing.notes).for_each(|note| output::warning(note));
         let frames = clips.iter().map(|clip| clip.times.len()).sum::<usize>().max(1);
-        let (samples, motions) =
-            (number::count(frames, "sample", "samples"), number::count(clips.len(), "animation", "animations"));
+        let samples = number::count(frames, "sample", "samples");
+        let motions = match written.animations {
+            0 => "no animation: nothing moves".to_owned(),
+            animations => number::count(animations, "animation", "animations"),
+        };
         output::print(&format!("{}: {samples}, {motions}", file.display()))?;
     }
     Ok(Exit::Done)

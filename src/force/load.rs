@@ -227,9 +227,10 @@ impl Act for LoadLaw {
     fn picture(&self) -> Picture<'_> {
         Picture::Arrows {
             on: &self.on,
-            force: self.factor * self.force,
-            torque: self.factor * self.torque,
+            force: self.force,
+            torque: self.torque,
             turns: self.follows,
+            over_time: self.over_time.as_deref(),
         }
     }
 }

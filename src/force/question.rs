@@ -1,6 +1,7 @@
 //! What every kind of force answers: as it is described, and as it is compiled.
 
 use super::end::{Attachment, Carrier, End};
+use super::load::OverTime;
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
 use nalgebra::Vector3;
@@ -239,6 +240,8 @@ pub enum Picture<'a> {
         torque: Vector3<f64>,
         /// Whether both are in the axes of the link and turn with it; else they are in inertial axes.
         turns: bool,
+        /// What scales both over time; `None` for what is always the same.
+        over_time: Option<&'a OverTime>,
     },
 }
 

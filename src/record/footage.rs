@@ -18,6 +18,24 @@ pub struct Footage {
     pub tubes: Tubes,
 }
 
+/// A sample that was asked for by its time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// The nearest one.
+    pub sample: OwnedSample,
+    /// Whether the time is beyond all samples.
+    pub beyond: Option<Beyond>,
+}
+
+/// The end of a recording that a time is beyond.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// Before its first sample.
+    Start,
+    /// After its last one.
+    End,
+}
+
 impl Footage {
     /// Opens a recording. A recording of somebody else may name any file: unless `meshes` says otherwise, only mesh files in the
     /// recording's folder are read.
@@ -26,6 +44,9 @@ impl Footage {
     /// If the recording cannot be read.
     pub fn open(path: &Path, meshes: bool) -> Result<Self, RecordError> {
         let mut recording = Recording::open(path)?;
+        if holds_poses(recording.outcome.as_deref()) {
+            recording.scene.hold_loads();
+        }
         let notes = if meshes { Vec::new() } else { meshes::keep_own(&mut recording.scene, path) };
         let tubes = Tubes::new(&recording.scene);
         Ok(Self { recording, notes, tubes })
@@ -36,11 +57,14 @@ impl Footage {
     ///
     /// # Errors
     /// If the samples cannot be read.
-    pub fn sample(&self, at: Option<f64>) -> Result<Option<OwnedSample>, RecordError> {
-        let at = at.unwrap_or(f64::NEG_INFINITY);
+    pub fn sample(&self, at: Option<f64>) -> Result<Option<Moment>, RecordError> {
+        let (asked, at) = (at, at.unwrap_or(f64::NEG_INFINITY));
         let mut nearest: Option<OwnedSample> = None;
+        let (mut is_before, mut is_after) = (false, true);
         for sample in self.recording.samples()? {
             let sample = sample?;
+            is_before |= nearest.is_none() && at < sample.time;
+            is_after &= at > sample.time;
             // A stage has two samples at one time: the later one is what goes on.
             match &nearest {
                 Some(before) if before.time < sample.time && (before.time - at).abs() <= (sample.time - at).abs() => {
@@ -49,10 +73,15 @@ impl Footage {
                 _ => nearest = Some(sample),
             }
         }
-        if let Some(sample) = &mut nearest {
+        let beyond = match asked {
+            Some(_) if is_before => Some(Beyond::Start),
+            Some(_) if is_after => Some(Beyond::End),
+            _ => None,
+        };
+        Ok(nearest.map(|mut sample| {
             self.tubes.extend(&sample.positions, &mut sample.bodies);
-        }
-        Ok(nearest)
+            Moment { sample, beyond }
+        }))
     }
 
     /// Its motions: the run, or one for each mode of a recording of modes.
@@ -107,7 +136,7 @@ pub fn mode_name(index: usize, hz: f64, growth: f64) -> String {
 }
 
 /// Whether what was recorded are poses alone, without what holds them.
-fn holds_poses(outcome: Option<&str>) -> bool {
+pub(super) fn holds_poses(outcome: Option<&str>) -> bool {
     let outcome: Value = outcome.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
     ["modes", "iterates", "collapse"].iter().any(|key| !outcome[key].is_null())
 }

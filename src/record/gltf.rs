@@ -33,8 +33,17 @@ pub struct Clip {
 /// Half a right angle: z up becomes y up.
 const Y_UP: [f64; 4] = [-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
 
-/// The file. Bodies stand as in `still`; each clip with more than one frame is an animation.
-pub fn glb(drawing: &Drawing, title: &str, still: &[Pose], clips: &[Clip]) -> Vec<u8> {
+/// What is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Glb {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// How many animations it has: clips in which nothing moves are none.
+    pub animations: usize,
+}
+
+/// The file. Bodies stand as in `still`; each clip in which something moves is an animation.
+pub fn glb(drawing: &Drawing, title: &str, still: &[Pose], clips: &[Clip]) -> Glb {
     let mut writer = Writer { still, clips, ..Writer::default() };
     writer.nodes.push(Map::new());
     let mut bodies: BTreeMap<Option<usize>, usize> = BTreeMap::new();
@@ -62,7 +71,8 @@ pub fn glb(drawing: &Drawing, title: &str, still: &[Pose], clips: &[Clip]) -> Ve
             }
         }
     }
-    writer.finish(title)
+    let animations = writer.animations.len();
+    Glb { bytes: writer.finish(title), animations }
 }
 
 #[derive(Default)]

@@ -62,6 +62,7 @@ mod tests {
             hinge: "free".into(),
             hinge_axes: Vec::new(),
             hinge_at: [0.0; 3],
+            own_axes: Vec::new(),
         };
         let mut scene = Scene { bodies: vec![body], ..Scene::default() };
         let notes = keep_own(&mut scene, &own.join("run.mcap"));

@@ -27,6 +27,8 @@ pub mod file;
 #[cfg(feature = "record")]
 mod footage;
 #[cfg(feature = "record")]
+mod form;
+#[cfg(feature = "record")]
 pub mod gltf;
 mod memory;
 mod meshes;
@@ -36,6 +38,8 @@ pub mod sample;
 pub mod scene;
 #[cfg(feature = "record")]
 mod solids;
+#[cfg(feature = "record")]
+mod stems;
 #[cfg(feature = "record")]
 pub mod table;
 #[cfg(feature = "record")]
@@ -52,7 +56,7 @@ pub use fanout::Fanout;
 #[cfg(feature = "record")]
 pub use file::{FileWriter, Recording, RecordingFile, Samples};
 #[cfg(feature = "record")]
-pub use footage::{Footage, mode_name};
+pub use footage::{Beyond, Footage, Moment, mode_name};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;

@@ -30,7 +30,10 @@ pub struct Scene {
     /// Beams and cables.
     #[cfg_attr(feature = "record", serde(default))]
     pub beams: Vec<BeamPicture>,
-    /// Constant loads: drawn as arrows.
+    /// Curves that bodies are guided along.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub curves: Vec<CurvePicture>,
+    /// Loads: drawn as arrows.
     #[cfg_attr(feature = "record", serde(default))]
     pub loads: Vec<LoadPicture>,
     /// Names of the hinge coordinates, in the order of `Sample::positions`.
@@ -50,6 +53,23 @@ pub struct Scene {
     /// Whether there are stops that may be hit, or events of the scenario.
     #[cfg_attr(feature = "record", serde(default))]
     pub watched: bool,
+    /// How large it is; `None` in recordings of old versions.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub extent: Option<Extent>,
+}
+
+/// How large a scene is: what is said of it first, and what round-off is measured by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Extent {
+    /// Bodies that a description names; those within beams and modal bodies are not among them.
+    pub bodies: usize,
+    /// Degrees of freedom that loops, drives and gears leave.
+    pub freedoms: usize,
+    /// A length that is typical of it (m).
+    pub length: f64,
+    /// Its weight (N), or the moment of that about its length if it is more than a metre (N m).
+    pub weight: f64,
 }
 
 /// A body as it is drawn.
@@ -76,6 +96,9 @@ pub struct BodyPicture {
     pub hinge_axes: Vec<[f64; 3]>,
     /// Hinge point, parent's axes (m).
     pub hinge_at: [f64; 3],
+    /// Hinge axes as they stand in the body's own axes while all coordinates are zero.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub own_axes: Vec<[f64; 3]>,
 }
 
 /// A solid as it is drawn.
@@ -110,9 +133,27 @@ pub struct LinePicture {
     /// Whether it pulls only, as a rope, and is slack otherwise.
     #[cfg_attr(feature = "record", serde(default))]
     pub pulls_only: bool,
+    /// Whether it goes on beyond its last point, as a rope over a drum: nothing holds it there.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub goes_on: bool,
+    /// Of a spring of which no stiffness is known its free length (m).
+    #[cfg_attr(feature = "record", serde(default))]
+    pub coil: Option<f64>,
 }
 
-/// A constant load as it is drawn.
+/// A curve that a body is guided along.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct CurvePicture {
+    /// The body that is guided.
+    pub name: String,
+    /// The body that has the curve (`None`: the ground).
+    pub body: Option<usize>,
+    /// Two or more points, straight between each other, in its axes (m).
+    pub points: Vec<[f64; 3]>,
+}
+
+/// A load as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadPicture {
@@ -128,6 +169,78 @@ pub struct LoadPicture {
     pub torque: [f64; 3],
     /// Whether both are in body axes and turn with the body; else they are in inertial axes.
     pub turns: bool,
+    /// What scales both over time; `None` for what is always the same.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub over_time: Option<FactorPicture>,
+}
+
+/// A factor over time: straight from point to point, constant before the first and after the last. At a time given twice it jumps; there
+/// the second counts.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct FactorPicture {
+    /// Not decreasing (s).
+    pub times: Vec<f64>,
+    /// One for each time.
+    pub values: Vec<f64>,
+}
+
+impl FactorPicture {
+    /// At a time (s).
+    pub fn at(&self, time: f64) -> f64 {
+        let after = self.times.partition_point(|at| *at <= time);
+        let [before, next] = [after.saturating_sub(1), after.min(self.times.len() - 1)];
+        let (from, to) = (self.values[before], self.values[next]);
+        let length = self.times[next] - self.times[before];
+        if after > 0 && length > 0.0 {
+            from + (time - self.times[before]) / length * (to - from)
+        } else {
+            self.values[before]
+        }
+    }
+
+    /// Whether each of one time or more has a value.
+    #[cfg(feature = "record")]
+    fn is_whole(&self) -> bool {
+        !self.times.is_empty() && self.times.len() == self.values.len()
+    }
+}
+
+impl LoadPicture {
+    /// What scales it at a time (s).
+    pub fn factor(&self, time: f64) -> f64 {
+        self.over_time.as_ref().map_or(1.0, |over_time| over_time.at(time))
+    }
+
+    /// The largest size of what scales it at any time.
+    pub fn largest_factor(&self) -> f64 {
+        let sizes =
+            |over_time: &FactorPicture| over_time.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        self.over_time.as_ref().map_or(1.0, sizes)
+    }
+}
+
+impl Scene {
+    /// Loads as they are at t = 0 at all times: of poses in place of a motion.
+    #[cfg(feature = "record")]
+    pub(super) fn hold_loads(&mut self) {
+        for load in &mut self.loads {
+            let factor = load.factor(0.0);
+            load.over_time = None;
+            load.force = load.force.map(|x| factor * x);
+            load.torque = load.torque.map(|x| factor * x);
+        }
+    }
+
+    /// The largest force and torque of all loads at any time (N, N m).
+    #[cfg(feature = "record")]
+    pub(super) fn largest_loads(&self) -> [f64; 2] {
+        let norm = |of: [f64; 3]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let largest = |of: fn(&LoadPicture) -> [f64; 3]| {
+            self.loads.iter().map(|load| load.largest_factor() * norm(of(load))).fold(0.0, f64::max)
+        };
+        [largest(|load| load.force), largest(|load| load.torque)]
+    }
 }
 
 /// A plotted number.
@@ -156,6 +269,7 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
         ("outputs", scene.outputs.len(), budget::BODIES),
         ("lines", scene.lines.len(), budget::BODIES),
         ("loads", scene.loads.len(), budget::BODIES),
+        ("curves", scene.curves.len(), budget::BODIES),
     ];
     if let Some((what, found, most)) = most.into_iter().find(|(_, found, most)| found > most) {
         return Err(format!("{found} {what}, where there can be {most} at most"));
@@ -163,11 +277,19 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
     let parents = scene.bodies.iter().filter_map(|body| body.parent);
     let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
     let loads = scene.loads.iter().map(|load| load.body);
-    if let Some(index) = parents.chain(ends).chain(loads).find(|index| *index >= bodies) {
+    let curves = scene.curves.iter().filter_map(|curve| curve.body);
+    if let Some(index) = parents.chain(ends).chain(loads).chain(curves).find(|index| *index >= bodies) {
         return Err(format!("body {index} of {bodies}"));
     }
     if let Some(fault) = super::beam::fault(&scene.beams, bodies) {
         return Err(fault);
+    }
+    let is_broken = |load: &&LoadPicture| load.over_time.as_ref().is_some_and(|over_time| !over_time.is_whole());
+    if let Some(load) = scene.loads.iter().find(is_broken) {
+        return Err(format!("the load `{}` has not a value for each of its times", load.name));
+    }
+    if let Some(curve) = scene.curves.iter().find(|curve| curve.points.len() < 2) {
+        return Err(format!("the curve of `{}` has {} points", curve.name, curve.points.len()));
     }
     let mut names = HashSet::new();
     if let Some(twice) = scene.bodies.iter().find(|body| !names.insert(body.name.as_str())) {
@@ -181,4 +303,17 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
         }
     }
     Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FactorPicture;
+
+    #[test]
+    fn a_factor_is_straight_between_its_times_and_jumps_at_one_given_twice() {
+        let factor = FactorPicture { times: vec![1.0, 3.0, 3.0, 5.0], values: vec![2.0, 4.0, -1.0, 0.0] };
+        let at = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 9.0].map(|time| factor.at(time));
+        assert_eq!(at, [2.0, 2.0, 3.0, -1.0, -0.5, 0.0, 0.0]);
+        assert_eq!(FactorPicture { times: vec![0.5], values: vec![7.0] }.at(0.0), 7.0);
+    }
 }

@@ -1,38 +1,12 @@
 //! What is drawn for each body: its own shapes, or a stand-in.
 
 use super::Scene;
+use super::form::along;
+pub(super) use super::form::{Form, Solid};
 use super::scene::{BodyPicture, ShapePicture};
+use super::stems::{held_at, stems};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
-
-/// A solid in body axes, centred on its own origin; cylinders and capsules along its z.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Solid {
-    pub(super) form: Form,
-    /// `body_from_solid`.
-    pub(super) pose: Isometry3<f64>,
-    /// Red, green, blue, opacity, 0…1.
-    pub(super) color: [f64; 4],
-    /// Whether the scenario chose the colour.
-    pub(super) own_color: bool,
-    /// Whether it is the part of a plane that is drawn.
-    pub(super) unbounded: bool,
-}
-
-/// The forms of solids (m).
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Form {
-    /// Edge lengths.
-    Box([f64; 3]),
-    /// Radius.
-    Ball(f64),
-    /// Along z.
-    Cylinder { radius: f64, length: f64 },
-    /// Along z; the length of the cylindrical part.
-    Capsule { radius: f64, length: f64 },
-    /// The mesh file and its content.
-    Mesh { file: String, contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
-}
 
 /// Quiet colours that can be distinguished on dark and on light ground.
 const PALETTE: [[f64; 3]; 8] = [
@@ -52,7 +26,7 @@ pub(super) fn palette(index: usize) -> [f64; 4] {
     [r, g, b, 1.0]
 }
 
-/// The solids of every body: the scenario's shapes; failing those (or where a mesh file cannot be read) rods from the
+/// The solids of every body: the scenario's shapes, with stems to where the body is held; failing those (or where a mesh file cannot be read) rods from the
 /// root marker to the other markers and to where the next bodies hang; failing those a box of the body's inertia.
 pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
     let mut points: Vec<Vec<[f64; 3]>> =
@@ -65,10 +39,16 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
         }
     }
     let longest = points.iter().flatten().map(|&end| Vector3::from(end).norm()).sum();
+    let held = held_at(scene);
     let of_body = |(index, (body, points)): (usize, (&BodyPicture, &Vec<[f64; 3]>))| {
         let color = palette(index);
-        let shapes: Vec<Solid> = body.shapes.iter().filter_map(|shape| from_shape(shape, color)).collect();
-        if shapes.is_empty() { stand_in(body, points, longest, color) } else { shapes }
+        let mut shapes: Vec<Solid> = body.shapes.iter().filter_map(|shape| from_shape(shape, color)).collect();
+        if shapes.is_empty() {
+            return stand_in(body, points, longest, color);
+        }
+        let stems = stems(body, &shapes, &held[index]);
+        shapes.extend(stems);
+        shapes
     };
     scene.bodies.iter().zip(&points).enumerate().map(of_body).collect()
 }
@@ -140,12 +120,8 @@ const SLENDER: f64 = 0.03;
 /// be seen at all.
 fn rod(end: Vector3<f64>, longest: f64) -> Option<(Form, Isometry3<f64>)> {
     let length = end.norm();
-    let along = end.try_normalize(0.0)?;
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let radius = (0.003 * longest).clamp(SLENDER * length, 0.2 * length);
-    let form = Form::Capsule { radius, length };
-    Some((form, Isometry3::from_parts(Translation3::from(0.5 * end), turn)))
+    Some((Form::Capsule { radius, length }, along(Vector3::zeros(), end)?))
 }
 
 /// Edges and orientation of the homogeneous box that has the body's mass and inertia. With principal moments A, B, C
@@ -193,6 +169,7 @@ mod tests {
             hinge: "free".into(),
             hinge_axes: Vec::new(),
             hinge_at: [0.0; 3],
+            own_axes: Vec::new(),
         }
     }
 

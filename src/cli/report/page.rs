@@ -3,6 +3,7 @@
 //! Its Content-Security-Policy allows the one script and the one style sheet by their hashes, and nothing from anywhere: whatever a scenario
 //! names its bodies, nothing of it runs, and nothing is fetched or sent.
 
+use super::super::number::{count, ordinal};
 use super::material::Material;
 use super::{curves, tables, words};
 use crate::markup::escape;
@@ -25,6 +26,9 @@ const STYLE: &str = include_str!("style.css");
 const SIZE: [u32; 2] = [1200, 700];
 /// Numbers of one animation: with four bytes each in letters about 800 kB.
 const MOST_KEYS: usize = 150_000;
+/// The picture opens on all of a motion that takes up to this many times the length of what is there at its start, else on the start: a
+/// quarter of the picture's width shows what it is.
+const LARGEST_MOTION: f64 = 4.0;
 /// Bytes of the still picture that stands where nothing is drawn by the browser.
 const MOST_STILL: usize = 350_000;
 
@@ -44,7 +48,7 @@ pub(super) fn page(material: &Material) -> anyhow::Result<Page> {
     let stage = stage(material, &mut notes)?;
     let numbers = curves::numbers(material)?;
     if numbers.stride > 1 {
-        notes.push(format!("the saved table has every {}th sample; the recording has all", numbers.stride));
+        notes.push(format!("the saved table has every {} sample; the recording has all", ordinal(numbers.stride)));
     }
     let answer = json!({ "statics": material.statics, "run": material.outcome });
     let data = json!({ "name": material.name, "columns": numbers.columns, "answer": answer });
@@ -59,9 +63,9 @@ pub(super) fn page(material: &Material) -> anyhow::Result<Page> {
     paragraphs(&mut out, "Certificate", &words::certificate(&material.statics));
     tables::modes(&mut out, &material.statics);
     tables::pose(&mut out, material);
-    tables::reactions(&mut out, &material.statics);
+    tables::reactions(&mut out, material);
     paragraphs(&mut out, "The run", &words::errors(&material.outcome));
-    tables::run(&mut out, &material.outcome);
+    tables::run(&mut out, material);
     let drawn = curves::curves(material)?;
     if !drawn.is_empty() {
         let _ = writeln!(out, "<h2>Curves</h2>\n<div class=\"curves\">{}</div>", drawn.concat());
@@ -103,12 +107,19 @@ fn head(title: &str) -> String {
 
 /// Size, version, date and command.
 fn about(material: &Material) -> String {
-    let bodies = super::super::number::count(material.scene.bodies.len(), "body", "bodies");
+    let size = match material.scene.extent {
+        Some(extent) => format!(
+            "{}, {}",
+            count(extent.bodies, "body", "bodies"),
+            count(extent.freedoms, "degree of freedom", "degrees of freedom")
+        ),
+        // A recording of an old version says no more.
+        None => format!("{} hinge coordinates", material.scene.positions.len()),
+    };
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let command: Vec<String> = std::env::args().skip(1).map(|word| escape(&word)).collect();
     format!(
-        "{bodies}, {} hinge coordinates. Computed by stillpoint {} on {}: <code>stillpoint {}</code>",
-        material.scene.positions.len(),
+        "{size}. Computed by stillpoint {} on {}: <code>stillpoint {}</code>",
         escape(&material.version),
         date(seconds),
         command.join(" ")
@@ -157,19 +168,27 @@ fn stage(material: &Material, notes: &mut Vec<String>) -> anyhow::Result<Stage> 
     let legend = drawing.legend.as_ref().map_or(String::new(), |legend| legend_bar(legend, clips[0].loads.len() > 1));
     notes.extend(drawing.notes.iter().cloned());
     let every = clips.iter().flat_map(|clip| clip.poses.iter().step_by(clip.poses.len().div_ceil(64)));
-    let poses: Vec<&[Pose]> = every.map(Vec::as_slice).collect();
-    let frame = Frame::new(&drawing, poses.iter().copied(), Eye::Auto, SIZE);
-    let still = svg(&drawing, first, &frame);
+    let whole: Vec<&[Pose]> = every.map(Vec::as_slice).collect();
+    let start = [first.as_slice()];
+    // A flight of a kilometre would leave nothing to be seen of what it begins with.
+    let is_wide = drawing.length(&whole) > LARGEST_MOTION * drawing.length(&start);
+    let frame = |poses: &[&[Pose]]| Frame::new(&drawing, poses.iter().copied(), Eye::Auto, SIZE);
+    let still = svg(&drawing, first, &frame(if is_wide { &start } else { &whole }));
     let still = if still.len() <= MOST_STILL { still } else { String::new() };
     let html = format!(
         "<div id=\"stage\"><canvas id=\"canvas\" hidden></canvas><div id=\"still\">{still}</div></div>\n\
          <p id=\"still-note\" hidden>This browser draws no WebGL: the picture stays still.</p>\n\
          <div id=\"controls\" hidden><button id=\"play\" title=\"play or stop\">▶</button>\
          <select id=\"clip\" title=\"which motion\"></select>\
-         <input id=\"slider\" type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\"><span id=\"time\"></span></div>\n{legend}"
+         <input id=\"slider\" type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\"><span id=\"time\"></span>\
+         <button id=\"view\" title=\"what is in the picture\"></button></div>\n{legend}"
     );
+    let look = json!({
+        "views": { "start": frame(&start).look(&drawing, &start), "all": frame(&whole).look(&drawing, &whole) },
+        "opens": if is_wide { "start" } else { "all" },
+    });
     let title = &material.scene.title;
-    Ok(Stage { html, glb: glb(&drawing, title, first, &clips), look: frame.look(&drawing, &poses) })
+    Ok(Stage { html, glb: glb(&drawing, title, first, &clips).bytes, look })
 }
 
 /// What the colours of beams mean; of a motion those of the largest value in it.
@@ -195,7 +214,7 @@ fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
     let frames = |most: usize| (most / numbers).max(2);
     let stride = material.samples.len().div_ceil(frames(MOST_KEYS)).max(1);
     if stride > 1 {
-        notes.push(format!("the picture moves by every {stride}th sample; the recording has all"));
+        notes.push(format!("the picture moves by every {} sample; the recording has all", ordinal(stride)));
     }
     let mut clips = Vec::new();
     if !material.samples.is_empty() {

@@ -1,7 +1,8 @@
 //! Tables: modes, pose, reactions, what couplings bear, energies, events.
 
-use super::super::text::{number, small, without_noise};
+use super::super::text::{UNDAMPED, number, small, without_noise};
 use super::material::Material;
+use super::sizes::{Sizes, numbers_of, units};
 use crate::markup::escape;
 use serde_json::Value;
 use std::fmt::Write;
@@ -69,7 +70,8 @@ pub(super) fn modes(out: &mut String, statics: &Value) {
     let damped = |mode: &Value| {
         let [decay, hz, ratio] =
             ["decay_rate", "frequency_hz", "damping_ratio"].map(|key| mode[key].as_f64().unwrap_or_default());
-        vec![carriers(mode), number(hz), number(decay), number(without_noise(ratio, 1.0))]
+        let [decay, ratio] = if ratio.abs() < UNDAMPED { [0.0; 2] } else { [decay, ratio] };
+        vec![carriers(mode), number(hz), number(decay), number(ratio)]
     };
     let rows = list(statics, "damped_modes").map(damped).collect();
     table(out, "Modes with damping", &["carried by", "frequency (Hz)", "decay rate (1/s)", "damping ratio ζ"], rows);
@@ -80,26 +82,39 @@ pub(super) fn pose(out: &mut String, material: &Material) {
         let channels = material.scene.positions.iter().filter(|channel| channel.body == body);
         channels.skip(index).map(|channel| (channel.name.as_str(), channel.unit.as_str())).next().unwrap_or_default()
     };
+    let sizes = Sizes::of(material);
     let mut rows = Vec::new();
     for (body, values) in map(&material.statics, "positions") {
         for (index, value) in values.as_array().into_iter().flatten().enumerate() {
             let (name, unit) = unit(body, index);
-            rows.push(vec![escape(body), escape(name), value.as_f64().map_or(String::new(), number), escape(unit)]);
+            let value = value.as_f64().map_or(String::new(), |value| number(sizes.clean(value, unit)));
+            rows.push(vec![escape(body), escape(name), value, escape(unit)]);
         }
     }
     table(out, "Pose", &["hinge of", "coordinate", "value", "unit"], rows);
-    let rows = map(&material.statics, "outputs").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
-    table(out, "Outputs at the equilibrium", &["output", "value"], rows);
+    outputs(out, "Outputs at the equilibrium", material, &material.statics);
     let rows = map(&material.statics, "unknowns").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
     table(out, "Inputs that were found", &["address", "value"], rows);
 }
 
+/// The outputs that an answer has, with their units.
+fn outputs(out: &mut String, title: &str, material: &Material, answer: &Value) {
+    let sizes = Sizes::of(material);
+    let row = |(name, value): (&String, &Value)| {
+        let units = units(material, name);
+        let unit = |at: usize| units.get(at).copied().unwrap_or_default();
+        let shown = numbers_of(value).into_iter().enumerate().map(|(at, value)| number(sizes.clean(value, unit(at))));
+        let mut told: Vec<&str> = units.iter().copied().filter(|unit| *unit != "1").collect();
+        told.dedup();
+        vec![escape(name), shown.collect::<Vec<_>>().join(", "), escape(&told.join(", "))]
+    };
+    let rows = map(answer, "outputs").map(row).collect();
+    table(out, title, &["output", "value", "unit"], rows);
+}
+
 /// One number, or several.
 fn numbers(value: &Value) -> String {
-    match value.as_array() {
-        Some(list) => list.iter().filter_map(Value::as_f64).map(number).collect::<Vec<_>>().join(", "),
-        None => value.as_f64().map_or(String::new(), number),
-    }
+    numbers_of(value).into_iter().map(number).collect::<Vec<_>>().join(", ")
 }
 
 /// Force and moment, with zero for round-off of the largest of all.
@@ -120,13 +135,14 @@ fn largest(values: &[&Value]) -> [f64; 2] {
 
 const AXES: [&str; 7] = ["", "Fx (N)", "Fy (N)", "Fz (N)", "Mx (N m)", "My (N m)", "Mz (N m)"];
 
-pub(super) fn reactions(out: &mut String, statics: &Value) {
+pub(super) fn reactions(out: &mut String, material: &Material) {
+    let (statics, sizes) = (&material.statics, Sizes::of(material));
     for (key, title, head) in [
         ("reactions", "Reactions of the hinges, at the root markers, inertial axes", "hinge of"),
         ("loop_reactions", "Reactions of the loops, inertial axes", "loop"),
     ] {
         let all: Vec<&Value> = map(statics, key).map(|(_, value)| value).collect();
-        let largest = largest(&all);
+        let largest = sizes.of_wrenches(largest(&all));
         let row = |(name, value): (&String, &Value)| {
             let mark = if value["unique"] == false { " (not unique)" } else { "" };
             [vec![format!("{}{mark}", escape(name))], wrench(value, largest)].concat()
@@ -136,46 +152,52 @@ pub(super) fn reactions(out: &mut String, statics: &Value) {
         let rows = map(statics, key).map(row).filter(|row| row.len() == heads.len()).collect();
         table(out, title, &heads, rows);
     }
+    let bears = |value: &Value| {
+        let shown = numbers_of(value).into_iter().map(|force| number(sizes.clean(force, "N")));
+        shown.collect::<Vec<_>>().join(", ")
+    };
     let mut rows = Vec::new();
     for (key, what) in [("drives", "drive"), ("motors", "motor"), ("pulls", "rope or curve")] {
-        let row = |(name, value): (&String, &Value)| vec![escape(name), what.to_owned(), numbers(value)];
+        let row = |(name, value): (&String, &Value)| vec![escape(name), what.to_owned(), bears(value)];
         rows.extend(map(statics, key).map(row));
     }
     let held = |held: &Value| {
-        vec![escape(held["hinge"].as_str().unwrap_or_default()), "lock".to_owned(), numbers(&held["force"])]
+        vec![escape(held["hinge"].as_str().unwrap_or_default()), "lock".to_owned(), bears(&held["force"])]
     };
     rows.extend(list(statics, "holding").map(held));
     let stop = |stop: &Value| {
         let side = format!("stop ({})", stop["side"].as_str().unwrap_or_default());
-        vec![escape(stop["hinge"].as_str().unwrap_or_default()), side, numbers(&stop["load"])]
+        vec![escape(stop["hinge"].as_str().unwrap_or_default()), side, bears(&stop["load"])]
     };
     rows.extend(list(statics, "stops").map(stop));
     table(out, "Couplings: forces (N) along slides, torques (N m) about axes", &["of", "kind", "bears"], rows);
 }
 
-pub(super) fn run(out: &mut String, outcome: &Value) {
+pub(super) fn run(out: &mut String, material: &Material) {
+    let (outcome, sizes) = (&material.outcome, Sizes::of(material));
     let rows: Vec<(&str, &str)> = vec![
         ("kinetic and potential at the start", "energy_start"),
         ("kinetic and potential at the end", "energy_end"),
         ("put in by motors, drives and loads", "energy_work"),
         ("taken out by dampers, friction and impacts", "energy_dissipated"),
     ];
-    let scale = rows.iter().filter_map(|(_, key)| outcome[*key].as_f64()).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = rows.iter().filter_map(|(_, key)| outcome[*key].as_f64()).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let scale = sizes.of_energies(largest);
     let mut ledger: Vec<Vec<String>> = rows
         .iter()
         .filter_map(|(what, key)| Some(vec![(*what).to_owned(), number(without_noise(outcome[*key].as_f64()?, scale))]))
         .collect();
     if let Some(drift) = outcome["energy_drift"].as_f64() {
-        ledger.push(vec!["not accounted for, at most".to_owned(), small(drift)]);
+        ledger.push(vec!["not accounted for, at most".to_owned(), small(without_noise(drift, scale))]);
     }
     table(out, "Energy ledger", &["", "J"], ledger);
     let row = |event: &Value| {
         let text = |key: &str| escape(event[key].as_str().unwrap_or_default());
-        let value = |key: &str| event[key].as_f64().map_or(String::new(), number);
-        vec![value("time"), text("kind"), text("name"), value("value"), value("speed")]
+        let value = |key: &str| event[key].as_f64().map_or(String::new(), |x| number(sizes.clean_coordinate(x)));
+        let time = event["time"].as_f64().map_or(String::new(), number);
+        vec![time, text("kind"), text("name"), value("value"), value("speed")]
     };
     let rows = list(outcome, "events").map(row).collect();
     table(out, "Events", &["time (s)", "what", "of", "at", "speed"], rows);
-    let rows = map(outcome, "outputs").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
-    table(out, "Outputs at the end", &["output", "value"], rows);
+    outputs(out, "Outputs at the end", material, outcome);
 }

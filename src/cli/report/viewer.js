@@ -158,11 +158,16 @@
     }
     return mesh;
   });
-  const grid = [];
-  const [[x0, y0], [x1, y1]] = look.floor;
-  for (let x = x0; x <= x1 + look.spacing / 2; x += look.spacing) grid.push(x, y0, look.height, x, y1, look.height);
-  for (let y = y0; y <= y1 + look.spacing / 2; y += look.spacing) grid.push(x0, y, look.height, x1, y, look.height);
-  const floor = { position: buffer(new Float32Array(grid)), count: grid.length / 3 };
+  const floors = {};
+  for (const [name, { floor: [[x0, y0], [x1, y1]], spacing, height }] of Object.entries(look.views)) {
+    const grid = [];
+    const [across, along] = [Math.round((x1 - x0) / spacing), Math.round((y1 - y0) / spacing)];
+    for (let k = 0; k <= across; k++) grid.push(x0 + k * spacing, y0, height, x0 + k * spacing, y1, height);
+    for (let k = 0; k <= along; k++) grid.push(x0, y0 + k * spacing, height, x1, y0 + k * spacing, height);
+    floors[name] = { position: buffer(new Float32Array(grid)), count: grid.length / 3 };
+  }
+  // Nothing that moves is cut off before or behind, wherever the eye is.
+  const depth = 4 * (look.views.start.extent + look.views.all.extent);
 
   const skins = (gltf.skins || []).map(({ joints, inverseBindMatrices }) => ({ joints, inverse: read(inverseBindMatrices) }));
   // Corners of a skin where its joints are; the joints turn and shift.
@@ -184,8 +189,14 @@
     }
   };
 
-  const state = { azimuth: look.azimuth, elevation: look.elevation, zoom: 1, shift: [0, 0], clip: 0, time: 0, playing: false };
+  // Where the eye is when one of the views is opened.
+  const opened = (name) => {
+    const { azimuth, elevation } = look.views[name];
+    return { view: name, azimuth, elevation, zoom: 1, shift: [0, 0] };
+  };
+  const state = { ...opened(look.opens), clip: 0, time: 0, playing: false };
   const draw = () => {
+    const view = look.views[state.view], floor = floors[state.view];
     const sharp = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     [canvas.width, canvas.height] = [width * sharp, height * sharp];
@@ -194,9 +205,9 @@
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const [ca, sa, ce, se] = [Math.cos(state.azimuth), Math.sin(state.azimuth), Math.cos(state.elevation), Math.sin(state.elevation)];
     const [right, up, back] = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
-    const half = (0.46 * look.extent) / state.zoom;
-    const [sx, sy, sz] = [1 / half * Math.min(1, height / width), 1 / half * Math.min(1, width / height), -1 / (4 * look.extent)];
-    const offset = (axis) => -(axis[0] * look.center[0] + axis[1] * look.center[1] + axis[2] * look.center[2]);
+    const half = (0.46 * view.extent) / state.zoom;
+    const [sx, sy, sz] = [1 / half * Math.min(1, height / width), 1 / half * Math.min(1, width / height), -1 / depth];
+    const offset = (axis) => -(axis[0] * view.center[0] + axis[1] * view.center[1] + axis[2] * view.center[2]);
     const eye = [
       sx * right[0], sy * up[0], sz * back[0], 0, sx * right[1], sy * up[1], sz * back[1], 0,
       sx * right[2], sy * up[2], sz * back[2], 0,
@@ -284,7 +295,7 @@
   canvas.onpointermove = (event) => {
     if (!event.buttons) return;
     if (event.shiftKey || event.buttons !== 1) {
-      const metres = (0.92 * look.extent) / state.zoom / Math.min(canvas.clientWidth, canvas.clientHeight);
+      const metres = (0.92 * look.views[state.view].extent) / state.zoom / Math.min(canvas.clientWidth, canvas.clientHeight);
       state.shift = [state.shift[0] + metres * event.movementX, state.shift[1] - metres * event.movementY];
     } else {
       state.azimuth -= 0.008 * event.movementX;
@@ -297,10 +308,13 @@
     state.zoom = Math.min(Math.max(state.zoom * Math.exp(-0.001 * event.deltaY), 0.1), 100);
     draw();
   };
-  canvas.ondblclick = () => {
-    Object.assign(state, { azimuth: look.azimuth, elevation: look.elevation, zoom: 1, shift: [0, 0] });
+  const open = (name) => {
+    Object.assign(state, opened(name));
+    $("view").textContent = name === "start" ? "see all" : "see the start";
     draw();
   };
+  canvas.ondblclick = () => open(state.view);
+  $("view").onclick = () => open(state.view === "start" ? "all" : "start");
   canvas.oncontextmenu = (event) => event.preventDefault();
   if (clips.length) {
     $("controls").hidden = false;
@@ -322,6 +336,6 @@
     });
   }
   window.onresize = draw;
-  draw();
+  open(state.view);
   document.documentElement.dataset.shown = "yes";
 })();

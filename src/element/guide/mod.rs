@@ -20,6 +20,7 @@
 //! Beyond its ends the curve goes on straight, for trial steps alone: no run and no equilibrium is accepted there.
 
 mod curve;
+mod outline;
 mod spline;
 
 pub use curve::{GuideCurve, GuideFlaw};
@@ -222,11 +223,18 @@ impl Guide {
             let middle = 0.5 * (a + b);
             if self.is_resolved(a, b) {
                 ends.push(b);
-            } else if b - a < shortest || ends.len() > MOST_PIECES {
-                // As many digits as the search has beside what is steep there.
-                let digits = 10.0_f64.powf(4.0 - (shortest / SHORTEST).log10().floor());
-                let near = (middle * digits).round() / digits + 0.0;
-                return Err(GuideFlaw::new(curve.key(), format!("is not smooth near parameter {near}"), SMOOTH));
+            } else if ends.len() > MOST_PIECES {
+                let message = format!(
+                    "needs more than {MOST_PIECES} pieces: between parameter {} and {} its tangent turns by {MOST_TURN} rad too often",
+                    ends[0],
+                    rounded(b, shortest)
+                );
+                return Err(GuideFlaw::new(curve.key(), message, FINE));
+            } else if b - a < shortest {
+                let near = rounded(middle, shortest);
+                let message =
+                    format!("is not smooth near parameter {near}, looked at in pieces down to {shortest:.0e}");
+                return Err(GuideFlaw::new(curve.key(), message, KINK));
             } else {
                 open.extend([[middle, b], [a, middle]]);
             }
@@ -270,7 +278,20 @@ impl Guide {
 /// Of Newton's method for the parameter.
 const MOST_CORRECTIONS: usize = 8;
 
+/// What a curve with too many pieces is told.
+const FINE: &str =
+    "a piece is as long as the tangent turns by 0.3 rad: a shorter range, or one without what is so fine";
+/// What a curve with a kink is told, or with waves that look like one.
+const KINK: &str = "the tangent and its derivative must be continuous, and the parameter must never stand still; waves that are \
+                    as fine as these pieces look like kinks";
+/// What a curve without a tangent somewhere is told.
 const SMOOTH: &str = "the tangent and its derivative must be continuous, and the parameter must never stand still";
+
+/// A parameter with as many digits as the search for pieces has beside what is steep there.
+fn rounded(u: f64, shortest: f64) -> f64 {
+    let digits = 10.0_f64.powf(4.0 - (shortest / SHORTEST).log10().floor());
+    (u * digits).round() / digits + 0.0
+}
 
 /// A frame without the rounding of the frames before it: its x axis is the tangent.
 fn squared(frame: &Matrix3<f64>, tangent: &Vector3<f64>) -> Matrix3<f64> {

@@ -1,6 +1,6 @@
 //! How much room bodies and lines take.
 
-use crate::record::scene::LinePicture;
+use crate::record::scene::{CurvePicture, LinePicture};
 use crate::record::solids::{Form, Solid};
 use crate::spatial::Pose;
 use nalgebra::{Point3, Vector3};
@@ -55,6 +55,12 @@ impl Bounds {
             let pose = body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
             self.include(&(pose * Point3::from(*point)).coords, 0.0);
         }
+    }
+
+    /// Grows to hold a curve at one instant.
+    pub(in crate::record) fn include_curve(&mut self, curve: &CurvePicture, poses: &[Pose]) {
+        let pose = curve.body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
+        curve.points.iter().for_each(|at| self.include(&(pose * Point3::from(*at)).coords, 0.0));
     }
 
     /// Middle; the origin when empty.

@@ -8,12 +8,17 @@ const MOST_COILS: usize = 32;
 
 /// Radius of the coils of each spring (m); `None` for what is drawn as a line.
 pub(in crate::record) fn coil_radii(scene: &Scene, size: f64) -> Vec<Option<f64>> {
-    let coiled = |line: &LinePicture| line.spring.filter(|_| !line.pulls_only);
+    let coiled = |line: &LinePicture| free_length(line).filter(|_| !line.pulls_only);
     let springs = scene.lines.iter().filter(|line| coiled(line).is_some()).count();
     let radius = |line: &LinePicture| {
-        let [_, length] = coiled(line)?;
+        let length = coiled(line)?;
         let length = if length > 0.0 { length } else { 0.2 * size };
         (springs <= MOST_COILS).then(|| (0.05 * length).min(0.02 * size))
     };
     scene.lines.iter().map(radius).collect()
+}
+
+/// The free length of a spring (m).
+pub(super) fn free_length(line: &LinePicture) -> Option<f64> {
+    line.spring.map(|[_, length]| length).or(line.coil)
 }

@@ -6,9 +6,10 @@
 //! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia; if other bodies have shapes, a
 //!   body without shape, points and inertia is not drawn.
 //! - Beams are their sections along the centre line, coloured by what they bear ([`Drawing::shaded`]).
-//! - Springs are coils, ropes and rods are thin cylinders between their points.
+//! - Springs are coils, ropes and rods are thin cylinders between their points, curves that bodies are guided along are wires.
 //! - What is hinged to the ground gets a pin along the axis of its hinge, or a small cube, and so do lines that end on the ground.
-//! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for.
+//! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for; those of bodies that frames do not hold make no
+//!   frame larger.
 
 pub(super) mod bounds;
 pub(super) mod ground;
@@ -25,23 +26,40 @@ pub use shades::{Legend, shade};
 pub use triangles::Triangles;
 
 use super::contact::ContactPush;
-use super::scene::{LinePicture, Scene};
+use super::scene::{LinePicture, LoadPicture, Scene};
 use super::solids::{Form, Solid, drop_of_beams, solids};
 use super::tubes::Tubes;
 use crate::spatial::{Pose, Wrench};
 use bounds::{Bounds, Outline};
 use nalgebra::Point3;
 
-/// What is drawn beside bodies and lines.
+/// What is drawn beside bodies and lines, and what is framed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Extras {
-    /// Constant loads as arrows.
-    pub loads: bool,
     /// Axes of the hinges as arrows.
     pub hinges: bool,
     /// Frames hold the bodies for which this is true, by their indices, and what is between them; others may leave the picture.
     /// Empty: all.
     pub framed: Vec<bool>,
+}
+
+/// When loads are drawn that change over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoadTime {
+    /// As they are then (s).
+    At(f64),
+    /// As they are at each of the times that they are given at, all beside each other: a frame that holds these holds them at all times.
+    All,
+}
+
+impl LoadTime {
+    fn factors(self, load: &LoadPicture) -> Vec<f64> {
+        match (self, &load.over_time) {
+            (Self::At(time), _) => vec![load.factor(time)],
+            (Self::All, Some(over_time)) => over_time.values.clone(),
+            (Self::All, None) => vec![1.0],
+        }
+    }
 }
 
 /// Everything that is drawn of a scene.
@@ -83,20 +101,25 @@ impl Drawing {
         // Meshes are known now.
         drawing.measure(start);
         drawing.add_lines();
+        drawing.add_curves();
         drawing.add_beams();
         drawing.add_ground();
-        if extras.loads {
-            drawing.add_loads();
-        }
-        if extras.hinges {
-            drawing.add_hinges();
-        }
         let mut parts = std::mem::take(&mut drawing.parts);
         for part in &mut parts {
             let is_left_out = part.bodies().any(|body| !drawing.frames(Some(body)));
             part.unbounded |= is_left_out;
         }
-        Self { parts, ..drawing }
+        let mut drawing = Self { parts, ..drawing };
+        if extras.hinges {
+            drawing.add_hinges();
+        }
+        drawing
+    }
+
+    /// Adds loads as arrows.
+    pub fn with_loads(mut self, at: LoadTime) -> Self {
+        self.add_loads(at);
+        self
     }
 
     /// Adds what the hinges pass to the bodies at one instant, as arrows that stay where they are.
@@ -129,6 +152,8 @@ impl Drawing {
                 .iter()
                 .filter(within)
                 .for_each(|line| bounds.include_lines(std::slice::from_ref(line), poses));
+            let curves = self.scene.curves.iter().filter(|curve| self.frames(curve.body));
+            curves.for_each(|curve| bounds.include_curve(curve, poses));
         }
         // If nothing has a size, the places of hinges have.
         if bounds.is_empty() || !(bounds.size().max() > 0.0) {

@@ -15,8 +15,10 @@ pub struct Part {
     pub triangles: Arc<Triangles>,
     /// Red, green, blue, opacity, 0…1.
     pub color: [f64; 4],
-    /// Whether it stands for something without bounds, which no frame holds.
+    /// Whether it stands for something without bounds, or for a body that is not framed: no frame holds it.
     pub unbounded: bool,
+    /// Whether it is an arrow. Pictures paint these over everything else: an arrow that pushes on a body would vanish in it.
+    pub is_arrow: bool,
     pub(super) place: Place,
 }
 
@@ -62,8 +64,9 @@ impl Part {
                 Placement { pose: Isometry3::from_parts(a.into(), toward(&along)), scale }
             }
             Place::Swept { sweep, .. } => {
-                let scale = if sweep.poses(poses).is_some() { 1.0 } else { 0.0 };
-                Placement { pose: Pose::identity(), scale: [scale; 3] }
+                let first = sweep.poses(poses).map(|poses| poses[0].translation);
+                let scale = if first.is_some() { 1.0 } else { 0.0 };
+                Placement { pose: first.unwrap_or_default().into(), scale: [scale; 3] }
             }
         }
     }

@@ -20,7 +20,7 @@ impl Part {
         let Place::Swept { sweep, tints } = &self.place else {
             return Shape { triangles: self.triangles.clone(), tints: Vec::new() };
         };
-        let triangles = sweep.triangles(poses);
+        let triangles = sweep.triangles(poses, &self.place(poses).pose.translation.vector);
         let tint = |corner: usize| tints.get(sweep.ring_of(corner)).copied();
         let tints = (0..triangles.positions.len()).map_while(tint).collect::<Vec<_>>();
         Shape { triangles: Arc::new(triangles), tints }

@@ -70,13 +70,13 @@ impl Sweep {
         }
     }
 
-    /// The surface in inertial axes; empty if the cross sections are nowhere.
-    pub(in crate::record) fn triangles(&self, poses: &[Pose]) -> Triangles {
+    /// The surface in inertial axes moved to a point (m): single precision has the digits there. Empty if the cross sections are nowhere.
+    pub(in crate::record) fn triangles(&self, poses: &[Pose], origin: &Vector3<f64>) -> Triangles {
         let Some(poses) = self.poses(poses) else { return Triangles::default() };
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         let mut corner = |pose: &Pose, at: [f64; 2], normal: Vector3<f64>| {
             let place = pose * Point3::new(0.0, at[0], at[1]);
-            positions.push(place.coords.cast::<f32>().into());
+            positions.push((place.coords - origin).cast::<f32>().into());
             normals.push((pose.rotation * normal).cast::<f32>().into());
         };
         for (outline, pose) in self.outlines.iter().zip(poses) {
@@ -86,7 +86,7 @@ impl Sweep {
         for (end, normal) in [(0, -Vector3::x()), (last, Vector3::x())] {
             self.outlines[end].iter().for_each(|[at, _]| corner(&poses[end], *at, normal));
         }
-        Triangles { positions, normals, corners: self.corners.to_vec(), closed: true }
+        Triangles { positions, normals, corners: self.corners.to_vec(), closed: true, rings: 0 }
     }
 }
 
@@ -134,6 +134,7 @@ mod tests {
             hinge: "fixed".into(),
             hinge_axes: Vec::new(),
             hinge_at: [0.0; 3],
+            own_axes: Vec::new(),
         }
     }
 
@@ -171,7 +172,7 @@ mod tests {
             assert!(off.abs() < 1e-12, "{off}");
         }
         let sweep = Sweep::new(&tubes.beams[0], 0.0);
-        let found = volume(&sweep.triangles(&poses)) / (2.0 * 5.0 * std::f64::consts::PI);
+        let found = volume(&sweep.triangles(&poses, &Vector3::zeros())) / (2.0 * 5.0 * std::f64::consts::PI);
         // Ten chords in place of the arc: 1 − (π/20)²/6.
         assert!((found - 1.0 + (std::f64::consts::PI / 20.0).powi(2) / 6.0).abs() < 1e-4, "{found}");
     }

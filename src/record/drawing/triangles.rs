@@ -30,6 +30,8 @@ pub struct Triangles {
     pub corners: Vec<[u32; 3]>,
     /// Whether the inside cannot be seen from outside; of mesh files it is not known.
     pub closed: bool,
+    /// Of a wire along a path how many outlines it has, each with as many corners; 0 of anything else.
+    pub(in crate::record) rings: usize,
 }
 
 /// How finely round forms are cut.
@@ -77,6 +79,15 @@ impl Triangles {
         let mut triangles = Self::empty();
         triangles.revolve(&[(0.0, 0.0), (0.02, 0.0), (0.02, 0.78), (0.055, 0.78), (0.0, 1.0)], COARSE.sides);
         triangles
+    }
+
+    /// A wire of this radius along a path (m), from point to point; `None` of a path without length.
+    pub(super) fn wire(path: &[Vector3<f64>], radius: f64) -> Option<Self> {
+        let mut path: Vec<Vector3<f64>> = path.iter().filter(|at| at.iter().all(|x| x.is_finite())).copied().collect();
+        path.dedup();
+        let mut triangles = Self { rings: path.len(), ..Self::empty() };
+        triangles.tube(&path, radius);
+        (path.len() > 1).then_some(triangles)
     }
 
     /// A coil of length and radius one, from the origin along z; its wire is round when the coil is stretched to `slenderness` times its
@@ -182,7 +193,8 @@ impl Triangles {
         let mut last: Option<Vec<u32>> = None;
         for (k, at) in path.iter().enumerate() {
             let (before, after) = (path[k.saturating_sub(1)], path[(k + 1).min(path.len() - 1)]);
-            let along = Unit::new_normalize(after - before);
+            // Where a path turns back on itself it goes on as it comes.
+            let along = Unit::try_new(after - before, 0.0).unwrap_or_else(|| Unit::new_normalize(at - before));
             // The side that was, as far as it is across the path here.
             side = (side - along.scale(side.dot(&along))).try_normalize(1e-6).unwrap_or(side);
             let ring: Vec<u32> = (0..=WIRE_SIDES)

@@ -53,6 +53,7 @@ fn scene() -> Scene {
         hinge: "revolute".into(),
         hinge_axes: vec![[0.0, 1.0, 0.0]],
         hinge_at: [0.0; 3],
+        own_axes: Vec::new(),
     };
     let channel = |name: &str, unit: &str| Channel { body: "rod".into(), name: name.into(), unit: unit.into() };
     let (positions, velocities) = (vec![channel("angle", "rad")], vec![channel("rate", "rad/s")]);

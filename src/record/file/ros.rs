@@ -200,6 +200,7 @@ mod tests {
             hinge: "revolute".into(),
             hinge_axes: vec![[0.0, 1.0, 0.0]],
             hinge_at: [0.0; 3],
+            own_axes: Vec::new(),
         };
         let channel = |unit: &str| Channel { body: "arm <1>".into(), name: "angle".into(), unit: unit.into() };
         Scene {

@@ -5,6 +5,7 @@ use super::{Writer, linear, material, number_of};
 use crate::record::drawing::shades::shade;
 use crate::record::drawing::sweep::Sweep;
 use crate::record::drawing::{Drawing, Part, Placement};
+use nalgebra::Vector3;
 use serde_json::{Map, json};
 
 impl Writer<'_> {
@@ -39,7 +40,7 @@ impl Writer<'_> {
         let joints: Vec<usize> = (first..first + sweep.rings()).collect();
         let inverse = still.iter().flat_map(|pose| pose.inverse().to_homogeneous().cast::<f32>().as_slice().to_vec());
         let inverse = self.bytes.matrices(&inverse.collect::<Vec<_>>());
-        let triangles = sweep.triangles(self.still);
+        let triangles = sweep.triangles(self.still, &Vector3::zeros());
         let ring = |corner: usize| sweep.ring_of(corner);
         let corners = 0..triangles.positions.len();
         let bones: Vec<u16> = corners.clone().flat_map(|corner| [ring(corner) as u16, 0, 0, 0]).collect();

@@ -62,6 +62,8 @@ impl Eye {
 /// A parallel projection onto a picture of some size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
+    /// Where axes of the eye begin, inertial axes (m): amid what is seen, so that far away no digits are lost.
+    origin: Vector3<f64>,
     pub(super) right: Vector3<f64>,
     pub(super) up: Vector3<f64>,
     /// Towards the eye.
@@ -104,7 +106,8 @@ impl Frame {
         let up = back.cross(&right);
         let ground = Ground::under(&bounds);
         let floor = floor(&bounds, ground.spacing);
-        let mut frame = Self { right, up, back, middle: [0.0; 2], scale: 1.0, size, ground, floor };
+        let origin = bounds.center();
+        let mut frame = Self { origin, right, up, back, middle: [0.0; 2], scale: 1.0, size, ground, floor };
         let mut seen = Bounds::default();
         let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
         let of_floor = corners.map(|[i, j]| Vector3::new(floor[i][0], floor[j][1], ground.floor));
@@ -121,8 +124,7 @@ impl Frame {
 
     /// What a viewer that moves needs: azimuth and elevation (rad), centre and extent of all poses (m), the floor.
     pub fn look(&self, drawing: &Drawing, poses: &[&[Pose]]) -> serde_json::Value {
-        let mut bounds = Bounds::default();
-        poses.iter().for_each(|poses| drawing.each_corner(poses, |corner| bounds.include(&corner, 0.0)));
+        let bounds = drawing.room(poses);
         let center = bounds.center();
         serde_json::json!({
             "azimuth": self.back.y.atan2(self.back.x),
@@ -135,9 +137,14 @@ impl Frame {
         })
     }
 
-    /// In axes of the eye (m).
+    /// A point in axes of the eye (m).
     pub(super) fn turned(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(self.right.dot(point), self.up.dot(point), self.back.dot(point))
+        self.direction(&(point - self.origin))
+    }
+
+    /// A direction in axes of the eye.
+    pub(super) fn direction(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(self.right.dot(vector), self.up.dot(vector), self.back.dot(vector))
     }
 
     /// Whether a polygon in axes of the eye may be seen: not all of it is beyond one edge of the picture.
@@ -165,6 +172,18 @@ fn floor(bounds: &Bounds, spacing: f64) -> [[f64; 2]; 2] {
 }
 
 impl Drawing {
+    /// The room that all takes in these poses.
+    fn room(&self, poses: &[&[Pose]]) -> Bounds {
+        let mut bounds = Bounds::default();
+        poses.iter().for_each(|poses| self.each_corner(poses, |corner| bounds.include(&corner, 0.0)));
+        bounds
+    }
+
+    /// How long the room is that all takes in these poses (m).
+    pub fn length(&self, poses: &[&[Pose]]) -> f64 {
+        self.room(poses).size().norm()
+    }
+
     /// Corners of boxes around all parts, in inertial axes.
     fn each_corner(&self, poses: &[Pose], mut take: impl FnMut(Vector3<f64>)) {
         for part in self.parts.iter().filter(|part| !part.unbounded) {

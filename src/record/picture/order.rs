@@ -3,6 +3,10 @@
 //! A binary space partition (Fuchs, Kedem, Naylor, 1980). A plane divides the faces into those on the eye's side and those beyond; faces
 //! that cross it are cut. What is beyond is painted first, then what lies in the plane, then the rest, each ordered in the same way. Large
 //! sets are divided at the median of their widest direction, small ones by the plane of one of their faces.
+//!
+//! Every division comes to its end, whatever rounding does: both parts have fewer faces than the whole, as the face whose plane divides is
+//! in neither of them, and a median is taken only if each side has faces of its own. Planes are reckoned from corners of their faces: far
+//! from the origin no digits are lost.
 
 use nalgebra::Vector3;
 
@@ -10,6 +14,9 @@ use nalgebra::Vector3;
 const SMALL: usize = 48;
 /// Faces whose planes are tried.
 const TRIED: usize = 6;
+/// Corners of pieces are known to this part of the largest coordinate: a few roundings. Within it a point counts as in a plane, or pieces
+/// would be cut again by the planes that they were cut by.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A plane convex polygon in axes of the eye: x right, y up, z towards it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,25 +29,25 @@ pub(super) struct Face {
     pub(super) opacity: f64,
 }
 
-/// `normal · x = offset`, with the normal towards the eye.
+/// `normal · (x − base) = 0`, with the normal towards the eye.
 #[derive(Debug, Clone, Copy)]
 struct Plane {
     normal: Vector3<f64>,
-    offset: f64,
+    base: Vector3<f64>,
 }
 
 impl Plane {
     fn of(face: &Face) -> Option<Self> {
-        // Newell's sum: the normal of a polygon that is plane but for rounding.
-        let next = face.points.iter().cycle().skip(1);
-        let sum: Vector3<f64> = face.points.iter().zip(next).map(|(a, b)| a.cross(b)).sum();
+        // Newell's sum, from the first corner: the normal of a polygon that is plane but for rounding.
+        let base = face.points[0];
+        let sum: Vector3<f64> = face.points[1..].windows(2).map(|pair| (pair[0] - base).cross(&(pair[1] - base))).sum();
         let normal = sum.try_normalize(0.0)?;
         let normal = if normal.z < 0.0 { -normal } else { normal };
-        Some(Self { normal, offset: normal.dot(&face.points[0]) })
+        Some(Self { normal, base })
     }
 
     fn height(&self, point: &Vector3<f64>) -> f64 {
-        self.normal.dot(point) - self.offset
+        self.normal.dot(&(point - self.base))
     }
 }
 
@@ -60,6 +67,8 @@ enum Task {
 
 /// From the farthest to the nearest. Points nearer to a plane than `tolerance` (m) are in it.
 pub(super) fn back_to_front(faces: Vec<Face>, tolerance: f64) -> Vec<Face> {
+    let largest = faces.iter().flat_map(|face| &face.points).map(Vector3::amax).fold(0.0, f64::max);
+    let tolerance = tolerance.max(ROUNDING * largest);
     let mut painted = Vec::with_capacity(faces.len());
     let mut tasks = vec![Task::Order(faces)];
     while let Some(task) = tasks.pop() {
@@ -76,7 +85,7 @@ pub(super) fn back_to_front(faces: Vec<Face>, tolerance: f64) -> Vec<Face> {
 }
 
 /// Faces beyond a plane, in it, and on the eye's side.
-fn divide(faces: Vec<Face>, tolerance: f64) -> [Vec<Face>; 3] {
+fn divide(mut faces: Vec<Face>, tolerance: f64) -> [Vec<Face>; 3] {
     if faces.len() > SMALL
         && let Some(plane) = median(&faces)
     {
@@ -88,16 +97,22 @@ fn divide(faces: Vec<Face>, tolerance: f64) -> [Vec<Face>; 3] {
         }
     }
     let step = faces.len().div_ceil(TRIED);
-    let tried = faces.iter().step_by(step).filter_map(Plane::of);
-    let cuts = |plane: &Plane| {
+    let tried = faces.iter().enumerate().step_by(step).filter_map(|(index, face)| Some((index, Plane::of(face)?)));
+    let cuts = |(_, plane): &(usize, Plane)| {
         let crosses = |face: &&Face| {
             let heights = || face.points.iter().map(|point| plane.height(point));
             heights().any(|height| height > tolerance) && heights().any(|height| height < -tolerance)
         };
         faces.iter().filter(crosses).count()
     };
-    match tried.min_by_key(cuts) {
-        Some(plane) => by(&plane, faces, tolerance),
+    let any = || faces.iter().enumerate().find_map(|(index, face)| Some((index, Plane::of(face)?)));
+    match tried.min_by_key(cuts).or_else(any) {
+        Some((index, plane)) => {
+            let own = faces.swap_remove(index);
+            let [beyond, mut within, before] = by(&plane, faces, tolerance);
+            within.push(own);
+            [beyond, within, before]
+        }
         // Faces without an area hide nothing.
         None => [Vec::new(), faces, Vec::new()],
     }
@@ -112,9 +127,9 @@ fn median(faces: &[Face]) -> Option<Plane> {
     let mut places: Vec<f64> = points().map(|point| point[axis]).collect();
     let middle = places.len() / 2;
     let (_, offset, _) = places.select_nth_unstable_by(middle, f64::total_cmp);
-    let mut normal = Vector3::zeros();
-    normal[axis] = 1.0;
-    Some(Plane { normal, offset: *offset })
+    let (mut normal, mut base) = (Vector3::zeros(), Vector3::zeros());
+    (normal[axis], base[axis]) = (1.0, *offset);
+    Some(Plane { normal, base })
 }
 
 fn by(plane: &Plane, faces: Vec<Face>, tolerance: f64) -> [Vec<Face>; 3] {
@@ -200,21 +215,26 @@ mod tests {
         (1..points.len() - 1).any(|k| depth(&[points[0], points[k], points[k + 1]], x, y).is_some())
     }
 
+    /// Random triangles, each of another colour.
+    fn scene(seed: u64) -> (Random, Vec<Face>) {
+        let mut random = Random(seed);
+        let count = [3, 12, 40, 150][seed as usize % 4];
+        let size = [1.0, 0.6, 0.4, 0.2][seed as usize % 4];
+        let triangle = |k: usize| {
+            let center = random.point();
+            let points = (0..3).map(|_| center + size * random.point()).collect();
+            Face { points, color: [(k % 256) as u8, (k / 256) as u8, 0], opacity: 1.0 }
+        };
+        let triangles = (0..count).map(triangle).collect();
+        (random, triangles)
+    }
+
     /// At random places of the picture, the face that is painted last is the nearest of the triangles that cover the place.
     #[test]
     fn what_is_painted_last_is_what_is_nearest() {
         let mut checked = 0;
-        for scene in 0..60 {
-            let mut random = Random(scene);
-            let count = [3, 12, 40, 150][scene as usize % 4];
-            let size = [1.0, 0.6, 0.4, 0.2][scene as usize % 4];
-            let triangles: Vec<Face> = (0..count)
-                .map(|k| {
-                    let center = random.point();
-                    let points = (0..3).map(|_| center + size * random.point()).collect();
-                    Face { points, color: [(k % 256) as u8, (k / 256) as u8, 0], opacity: 1.0 }
-                })
-                .collect();
+        for seed in 0..60 {
+            let (mut random, triangles) = scene(seed);
             let painted = back_to_front(triangles.clone(), 1e-9);
             for _ in 0..500 {
                 let (x, y) = (1.5 * random.next(), 1.5 * random.next());
@@ -235,5 +255,44 @@ mod tests {
             }
         }
         assert!(checked > 3000, "{checked}");
+    }
+
+    /// Corners at 1e6 m have steps of 1e-10 m: a plane across a triangle of 0.1 m is known to some 1e-9 m, below the tolerance.
+    #[test]
+    fn far_from_the_origin_the_picture_is_the_one_at_the_origin() {
+        for seed in 0..40 {
+            let (mut random, triangles) = scene(seed);
+            let places: Vec<[f64; 2]> = (0..100).map(|_| [1.5 * random.next(), 1.5 * random.next()]).collect();
+            let seen = |far: f64| {
+                let away = far * Vector3::new(1.0, -0.7, 0.4);
+                let moved = |face: &Face, by: Vector3<f64>| {
+                    let points = face.points.iter().map(|point| point + by).collect();
+                    Face { points, ..*face }
+                };
+                let painted = back_to_front(triangles.iter().map(|face| moved(face, away)).collect(), 1e-6);
+                let back: Vec<Face> = painted.iter().map(|face| moved(face, -away)).collect();
+                let last = |[x, y]: &[f64; 2]| {
+                    back.iter().rev().find(|face| contains(&face.points, *x, *y)).map(|face| face.color)
+                };
+                places.iter().map(last).collect::<Vec<_>>()
+            };
+            let here = seen(0.0);
+            assert!(seen(1e3) == here && seen(1e6) == here, "seed {seed}");
+        }
+    }
+
+    /// Also where rounding is as large as the faces, so that they cross their own planes.
+    #[test]
+    fn every_scene_is_ordered_in_the_end() {
+        for seed in 0..8 {
+            let (_, triangles) = scene(seed);
+            for far in [1e12, 1e15, 1e17, 1e300] {
+                let moved = triangles.iter().map(|face| {
+                    let points = face.points.iter().map(|point| point.add_scalar(far)).collect();
+                    Face { points, ..*face }
+                });
+                assert!(back_to_front(moved.collect(), 1e-9).len() >= triangles.len());
+            }
+        }
     }
 }

@@ -11,10 +11,10 @@ const AMBIENT: f64 = 0.52;
 /// Towards the light, in axes of the eye: over the left shoulder.
 const LIGHT: [f64; 3] = [-0.40, 0.62, 0.68];
 
-/// Every triangle that faces the eye.
-pub(super) fn faces(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> Vec<Face> {
+/// Every triangle that faces the eye: of arrows, or of all else.
+pub(super) fn faces(drawing: &Drawing, poses: &[Pose], frame: &Frame, of_arrows: bool) -> Vec<Face> {
     let mut faces = Vec::new();
-    for part in &drawing.parts {
+    for part in drawing.parts.iter().filter(|part| part.is_arrow == of_arrows) {
         add(part, poses, frame, &mut faces);
     }
     faces
@@ -44,7 +44,7 @@ fn add(part: &Part, poses: &[Pose], frame: &Frame, faces: &mut Vec<Face>) {
             .iter()
             .map(|corner| Vector3::from(triangles.normals[*corner as usize]).cast::<f64>().component_div(&scale))
             .sum();
-        let normal = frame.turned(&(placement.pose.rotation * normal)).try_normalize(0.0).unwrap_or_else(Vector3::z);
+        let normal = frame.direction(&(placement.pose.rotation * normal)).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // The inside of an open mesh is lit as its outside.
         let lit = if normal.z < 0.0 { -normal.dot(&light) } else { normal.dot(&light) };
         let brightness = AMBIENT + (1.05 - AMBIENT) * lit.max(0.0);
@@ -75,9 +75,12 @@ pub(super) fn shadows(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> Vec<V
             outline.into_iter().map(|[x, y]| frame.turned(&Vector3::new(x, y, height))).collect::<Vec<_>>()
         };
         let positions = &shape.triangles.positions;
-        // A beam may be bent: the shadows of its stretches.
-        let per = part.swept().map_or(positions.len(), |(sweep, _)| positions.len() / (sweep.rings() + 2));
-        let stretches = part.swept().map_or(1, |(sweep, _)| sweep.rings() - 1);
+        // Beams and wires may be bent: the shadows of their stretches. Beams have outlines at both ends besides.
+        let (rings, ends) = part.swept().map_or((shape.triangles.rings, 0), |(sweep, _)| (sweep.rings(), 2));
+        let (per, stretches) = match rings {
+            0 => (positions.len(), 1),
+            rings => (positions.len() / (rings + ends), rings - 1),
+        };
         let width = if stretches > 1 { 2 * per } else { positions.len() };
         (0..stretches).map(|k| of(&positions[k * per..k * per + width])).collect::<Vec<_>>()
     };

@@ -24,9 +24,15 @@ pub fn svg(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> String {
     );
     floor(&mut out, drawing, poses, frame);
     let extent = f64::from(width.max(height)) / frame.scale;
-    let mut shown = faces(drawing, poses, frame);
-    shown.retain(|face| frame.shows(&face.points));
-    paint(&mut out, &back_to_front(shown, TOLERANCE * extent), frame);
+    // Arrows last: one that pushes on a body would vanish in it.
+    for of_arrows in [false, true] {
+        let mut shown = faces(drawing, poses, frame, of_arrows);
+        shown.retain(|face| frame.shows(&face.points));
+        if of_arrows && !shown.is_empty() {
+            halo(&mut out, &shown, frame);
+        }
+        paint(&mut out, &back_to_front(shown, TOLERANCE * extent), frame);
+    }
     scale_bar(&mut out, frame);
     drawing.legend.iter().for_each(|legend| legend_bar(&mut out, legend, frame));
     out.push_str("</svg>\n");
@@ -63,6 +69,16 @@ fn floor(out: &mut String, drawing: &Drawing, poses: &[Pose], frame: &Frame) {
     if !outlines.is_empty() {
         let _ = writeln!(out, "<path d=\"{outlines}\" fill=\"#26313f\" fill-opacity=\"0.13\" fill-rule=\"nonzero\"/>");
     }
+}
+
+/// White around faces, so that they can be told from what is behind them, whatever its colour.
+fn halo(out: &mut String, faces: &[Face], frame: &Frame) {
+    let mut path = String::new();
+    faces.iter().for_each(|face| polygon(&mut path, &face.points, frame));
+    let _ = writeln!(
+        out,
+        "<path d=\"{path}\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\"/>"
+    );
 }
 
 /// Faces in their order; neighbours of one colour are one path.

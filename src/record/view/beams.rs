@@ -7,6 +7,7 @@ use super::stream::Stream;
 use crate::record::drawing::shades::shade;
 use crate::record::drawing::sweep::Sweep;
 use crate::record::{Sample, Scene, Tubes};
+use nalgebra::Vector3;
 
 /// Beams thinner than this part of the scene are drawn as thick as that.
 const LEAST: f64 = 0.0015;
@@ -71,7 +72,7 @@ impl Beams {
         let loads = self.tubes.loads(&poses, sample.reactions);
         let mut from = 0;
         for ((_, sweep), column) in self.sweeps.iter().zip(columns) {
-            let triangles = sweep.triangles(&poses);
+            let triangles = sweep.triangles(&poses, &Vector3::zeros());
             let tint = |corner: usize| {
                 let load = loads.get(from + sweep.ring_of(corner)).copied().unwrap_or(0.0);
                 let [r, g, b] = shade(if self.most > 0.0 { load / self.most } else { 0.0 });

@@ -13,6 +13,7 @@ pub(super) fn expected(scene: &Scene, outlines: &[Outline], poses: &[Pose]) -> B
     let mut bounds = Bounds::default();
     bounds.include_bodies(outlines, poses);
     bounds.include_lines(&scene.lines, poses);
+    scene.curves.iter().for_each(|curve| bounds.include_curve(curve, poses));
     let order = outward(scene);
     let reach = tree_reaches(scene, outlines, &order);
     let normals = plane_normals(scene, poses, &order);
@@ -108,6 +109,7 @@ mod tests {
             hinge: "revolute".into(),
             hinge_axes: vec![axis],
             hinge_at: [0.0, 0.0, at],
+            own_axes: Vec::new(),
         }
     }
 

@@ -5,8 +5,8 @@ use super::crowd::Moves;
 use super::curves::curves;
 use super::entity::{TIMELINE, body_path, center_path, point, quaternion};
 use super::forces::{
-    contact_arrows, contacts_path, load_paths, load_points, points, reaction_arrows, reactions_path, spring_color,
-    spring_path, strip, tension,
+    changing_loads, contact_arrows, contacts_path, load_arrows, load_paths, load_points, points, reaction_arrows,
+    reactions_path, spring_color, spring_path, strip, tension,
 };
 use super::picture::Picture;
 use super::sdk::{Arrows3D, Color, LineStrips3D, Points3D, Scalars, TimeColumn, Transform3D};
@@ -29,6 +29,8 @@ pub(super) struct Columns {
     beams: Vec<Bent>,
     springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
+    /// Arrows of the loads that change over time.
+    changing: Vec<Vec<[f32; 3]>>,
     reactions: Vec<([f32; 3], [f32; 3])>,
     contacts: Contacts,
     center: Vec<[f32; 3]>,
@@ -64,6 +66,7 @@ impl Columns {
             beams: vec![Bent::default(); picture.beams.count()],
             springs: vec![Default::default(); picture.scene.lines.len()],
             loads: vec![Vec::new(); load_paths(&picture.scene).count()],
+            changing: vec![Vec::new(); changing_loads(&picture.scene).count()],
             ..Self::default()
         }
     }
@@ -103,6 +106,9 @@ impl Columns {
             }
         }
         self.loads.iter_mut().zip(load_points(scene, poses)).for_each(|(column, at)| column.push(at));
+        for (column, (load, _)) in self.changing.iter_mut().zip(changing_loads(scene)) {
+            column.extend(load_arrows(scene, load, sample.time, scales));
+        }
         if scales.reaction > 0.0 {
             self.reactions.extend(reaction_arrows(poses, sample.reactions, scales));
         }
@@ -147,6 +153,13 @@ impl Columns {
         }
         for (at, path) in self.loads.into_iter().zip(load_paths(scene)) {
             let arrows = Arrows3D::update_fields().with_origins(at).columns_of_unit_batches()?;
+            stream.send_columns(path, times.clone(), arrows)?;
+        }
+        for (vectors, (_, path)) in
+            self.changing.into_iter().zip(changing_loads(scene)).filter(|(all, _)| !all.is_empty())
+        {
+            let lengths = std::iter::repeat_n(vectors.len() / drawn, drawn);
+            let arrows = Arrows3D::update_fields().with_vectors(vectors).columns(lengths)?;
             stream.send_columns(path, times.clone(), arrows)?;
         }
         self.contacts.send(stream)?;

@@ -4,7 +4,7 @@ use super::entity::{color, path, point};
 use super::sdk::{Arrows3D, Color, EntityPath, LineStrips3D, Radius};
 use super::sent::Sent;
 use super::stream::Stream;
-use crate::record::scene::LinePicture;
+use crate::record::scene::{LinePicture, LoadPicture};
 use crate::record::{ContactPush, Scene};
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Point3, Vector3};
@@ -108,7 +108,7 @@ pub(super) fn reactions_path() -> EntityPath {
 
 /// Where the arrows of loads start that keep their direction in space, in the order of the scene's loads.
 pub(super) fn load_points(scene: &Scene, poses: &[Pose]) -> Vec<[f32; 3]> {
-    let at = |load: &crate::record::scene::LoadPicture| {
+    let at = |load: &LoadPicture| {
         let pose = poses.get(load.body).copied().unwrap_or_default();
         point(&(pose * Point3::from(load.at)).coords)
     };
@@ -128,15 +128,11 @@ pub(super) fn send(stream: &Stream, scene: &Scene, scales: &Scales) -> Sent {
         let looks = if line.spring.is_some() { looks } else { looks.with_colors([spring_color(None, 1.0)]) };
         stream.log(spring_path(&line.name), &looks)?;
     }
-    let largest = |of: fn(&crate::record::scene::LoadPicture) -> [f64; 3]| {
-        scene.loads.iter().map(|load| Vector3::from(of(load)).norm()).fold(0.0, f64::max)
-    };
-    let (force, torque) = (largest(|load| load.force), largest(|load| load.torque));
+    let largest = scene.largest_loads();
     for load in &scene.loads {
-        let mut vectors = Vec::new();
-        let mut colors = Vec::new();
-        for (of, full, color) in [(load.force, force, FORCE), (load.torque, torque, TORQUE)] {
-            if let Some(arrow) = arrow(&Vector3::from(of), full, scales.size) {
+        let (mut vectors, mut colors) = (Vec::new(), Vec::new());
+        for ((of, full), color) in parts(load, largest).zip([FORCE, TORQUE]) {
+            if let Some(arrow) = arrow(&of, full, scales.size) {
                 vectors.push(point(&arrow));
                 colors.push(color);
             }
@@ -144,15 +140,39 @@ pub(super) fn send(stream: &Stream, scene: &Scene, scales: &Scales) -> Sent {
         if vectors.is_empty() {
             continue;
         }
-        let arrows = Arrows3D::from_vectors(vectors).with_colors(colors).with_radii([Radius::new_ui_points(2.5)]);
-        if load.turns {
-            let at = path(&["world", &scene.bodies[load.body].name, &load.name]);
-            stream.log(at, &arrows.with_origins([point(&Vector3::from(load.at))]))?;
-        } else {
-            stream.log(load_path(&load.name), &arrows)?;
-        }
+        let looks = Arrows3D::update_fields().with_colors(colors).with_radii([Radius::new_ui_points(2.5)]);
+        // What is sent once for all hides what is sent with a time: arrows of loads that change are.
+        let looks = if load.over_time.is_some() { looks } else { looks.with_vectors(vectors) };
+        let looks = if load.turns { looks.with_origins([point(&Vector3::from(load.at))]) } else { looks };
+        stream.log(arrows_path(scene, load), &looks)?;
     }
     Ok(())
+}
+
+/// Force and torque of a load at their full size, each with the largest of all loads.
+fn parts(load: &LoadPicture, [force, torque]: [f64; 2]) -> impl Iterator<Item = (Vector3<f64>, f64)> {
+    [(load.force.into(), force), (load.torque.into(), torque)].into_iter()
+}
+
+/// Where the arrows of a load are in the viewer.
+fn arrows_path(scene: &Scene, load: &LoadPicture) -> EntityPath {
+    match load.turns {
+        true => path(&["world", &scene.bodies[load.body].name, &load.name]),
+        false => load_path(&load.name),
+    }
+}
+
+/// The loads that change over time, each with the path of its arrows.
+pub(super) fn changing_loads(scene: &Scene) -> impl Iterator<Item = (&LoadPicture, EntityPath)> {
+    scene.loads.iter().filter(|load| load.over_time.is_some()).map(|load| (load, arrows_path(scene, load)))
+}
+
+/// The arrows of a load at a time (s): as many at all times.
+pub(super) fn load_arrows(scene: &Scene, load: &LoadPicture, time: f64, scales: &Scales) -> Vec<[f32; 3]> {
+    let factor = load.factor(time);
+    let is_there = |(of, full): &(Vector3<f64>, f64)| arrow(of, *full, scales.size).is_some();
+    let drawn = |(of, full)| arrow(&(factor * of), full, scales.size).unwrap_or_default();
+    parts(load, scene.largest_loads()).filter(is_there).map(|part| point(&drawn(part))).collect()
 }
 
 /// A vector as long as it is drawn; `None` for zero.
@@ -192,6 +212,8 @@ mod tests {
             ends: vec![(None, [0.0; 3]), (Some(0), [0.0, 0.0, 1.0])],
             spring: Some([stiffness, length]),
             pulls_only: false,
+            goes_on: false,
+            coil: None,
         }
     }
 

@@ -15,6 +15,7 @@ use crate::record::Scene;
 use crate::record::contact::still;
 use crate::record::drawing::bounds::Outline;
 use crate::record::drawing::lines::coil_radii;
+use crate::record::scene::CurvePicture;
 use crate::record::solids::{Form, Solid, drop_of_beams, palette, solids};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use std::collections::HashSet;
@@ -57,6 +58,7 @@ impl Picture {
         self.crowd.is_none()
             || !self.solids[index].is_empty()
             || self.scene.loads.iter().any(|load| load.body == index && load.turns)
+            || self.scene.curves.iter().any(|curve| curve.body == Some(index))
     }
 
     /// How many poses a sample takes.
@@ -81,6 +83,7 @@ impl Picture {
             Some(crowd) => crowd.send(stream)?,
             None => self.send_hinges(stream)?,
         }
+        self.send_curves(stream)?;
         self.beams.send(stream)?;
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
@@ -146,6 +149,22 @@ impl Picture {
         Ok(())
     }
 
+    /// Curves that bodies are guided along, together for each body that has some, in whose axes they stay.
+    fn send_curves(&self, stream: &Stream) -> Sent {
+        for owner in (0..self.scene.bodies.len()).map(Some).chain([None]) {
+            let of_owner = self.scene.curves.iter().filter(|curve| curve.body == owner);
+            let strip = |curve: &CurvePicture| curve.points.iter().map(|at| point(&(*at).into())).collect::<Vec<_>>();
+            let strips: Vec<Vec<[f32; 3]>> = of_owner.map(strip).collect();
+            if strips.is_empty() {
+                continue;
+            }
+            let lines = LineStrips3D::new(strips).with_radii([Radius::new_ui_points(1.2)]).with_colors([CURVE]);
+            let owner = owner.map_or("ground", |owner| &self.scene.bodies[owner].name);
+            stream.log(path(&["world", owner, "curves"]), &lines)?;
+        }
+        Ok(())
+    }
+
     /// A typical length of a body (m).
     fn body_size(&self) -> f64 {
         let reaches: Vec<f64> = self.outlines.iter().map(Outline::reach).filter(|reach| *reach > 0.0).collect();
@@ -156,6 +175,7 @@ impl Picture {
 /// Length over radius from which a rod is thin.
 const THIN: f64 = 40.0;
 const CENTER: Color = Color(super::sdk::Rgba32::from_rgb(176, 48, 128));
+const CURVE: Color = Color(super::sdk::Rgba32::from_rgb(132, 138, 148));
 const HINGE: Color = Color(super::sdk::Rgba32::from_rgb(214, 160, 48));
 
 /// A rod many times longer than thick is also drawn as a line of fixed width: from afar nothing else is left of a wire.

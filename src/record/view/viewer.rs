@@ -14,6 +14,7 @@ use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
 use crate::record::drawing::Legend;
 use crate::record::drawing::bounds::{Bounds, Outline};
+use crate::record::footage::holds_poses;
 use crate::record::meshes;
 use crate::record::solids::solids;
 use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene, Tubes};
@@ -231,6 +232,7 @@ impl Recorder for Viewer {
         };
         self.bounds.include_bodies(&self.outlines, sample.bodies);
         self.bounds.include_lines(&self.scene.lines, sample.bodies);
+        self.scene.curves.iter().for_each(|curve| self.bounds.include_curve(curve, sample.bodies));
         self.columns.push(sample, &picture);
         if self.thinning.draws() {
             self.columns.push_poses(sample, &picture);
@@ -285,6 +287,9 @@ impl Recorder for Viewer {
 /// When the recording cannot be read, or there is no viewer.
 pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, RecordError> {
     let mut recording = Recording::open(recording)?;
+    if holds_poses(recording.outcome.as_deref()) {
+        recording.scene.hold_loads();
+    }
     let left_out = if wishes.meshes { Vec::new() } else { meshes::keep_own(&mut recording.scene, &recording.path) };
     let mut viewer = Viewer::with_scene(sink, &recording.scene, recording.statics.as_deref())?;
     // Of one instant alone there is nothing to tell.

@@ -1,7 +1,8 @@
 //! What is told of a run, sample after sample: when and what in `sampler`, energies in `ledger`, pushes in `couplings`, outputs in `outputs`, and
-//! once what does not change in `scene`.
+//! once what does not change in `scene`, curves and racks of it in `guides`.
 
 pub(super) mod couplings;
+mod guides;
 pub(super) mod ledger;
 pub mod outputs;
 pub(super) mod sampler;

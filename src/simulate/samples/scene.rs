@@ -1,13 +1,17 @@
 //! The still part of a recording, from a model.
 
+use super::guides;
 use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::beam::Section;
 use crate::model::couplings::Closure;
+use crate::model::description::OverTime;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
 use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
-use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
+use crate::record::scene::{
+    BodyPicture, Channel, Extent, FactorPicture, LinePicture, LoadPicture, Scene, ShapePicture,
+};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -41,8 +45,9 @@ pub(in crate::simulate) fn of_structure(model: &Arc<Model>) -> Scene {
     Scene {
         title: model.title.clone(),
         bodies: bodies(model),
-        lines: springs.chain(rods).chain(model.modals.iter().flat_map(arms)).collect(),
+        lines: springs.chain(rods).chain(model.modals.iter().flat_map(arms)).chain(guides::lines(model)).collect(),
         beams: model.beams.iter().map(|one| beam(model, one)).collect(),
+        curves: guides::curves(model),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
         velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
@@ -51,6 +56,18 @@ pub(in crate::simulate) fn of_structure(model: &Arc<Model>) -> Scene {
         not_unique: super::couplings::not_unique(model),
         watched: !(model.stops.is_empty() && model.hinge_friction.is_empty() && model.events.is_empty())
             || model.switching().next().is_some(),
+        extent: Some(extent(model)),
+    }
+}
+
+/// How large it is.
+pub(in crate::simulate) fn extent(model: &Model) -> Extent {
+    let length = model.length_scale();
+    Extent {
+        bodies: model.bodies.iter().filter(|body| !body.is_inner).count(),
+        freedoms: model.degrees_of_freedom(),
+        length,
+        weight: model.total_mass() * model.gravity.norm() * length.max(1.0),
     }
 }
 
@@ -139,6 +156,8 @@ fn arms(modal: &ModalBody) -> impl Iterator<Item = LinePicture> + '_ {
         ends: vec![(Some(modal.root), [0.0; 3]), (Some(*body), [0.0; 3])],
         spring: None,
         pulls_only: false,
+        goes_on: false,
+        coil: None,
     })
 }
 
@@ -192,6 +211,7 @@ fn picture(body: &Body, reach: f64) -> BodyPicture {
         hinge: body.hinge.kind.name().to_owned(),
         hinge_axes: body.hinge.kind.axes().iter().map(|axis| (turn * axis.normalize()).into()).collect(),
         hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),
+        own_axes: body.hinge.kind.axes().iter().map(|axis| axis.normalize().into()).collect(),
     }
 }
 
@@ -228,23 +248,28 @@ fn shape(shape: &Shape, reach: f64) -> ShapePicture {
 fn line(model: &Model, name: &str, picture: Picture<'_>) -> Option<LinePicture> {
     let Picture::Line { through, spring, pulls_only } = picture else { return None };
     let ends = through.iter().map(|end| (end.body, on_body(model, end))).collect();
-    Some(LinePicture { name: name.to_owned(), ends, spring, pulls_only })
+    Some(LinePicture { name: name.to_owned(), ends, spring, pulls_only, goes_on: false, coil: None })
 }
 
 /// Rigid rods that close loops have no body that could be drawn.
 fn rod(model: &Model, closed: &Loop) -> Option<LinePicture> {
     let Closure::Rod { .. } = closed.closure else { return None };
     let ends = closed.ends.iter().map(|end| (end.body, on_body(model, end))).collect();
-    Some(LinePicture { name: closed.name.clone(), ends, spring: None, pulls_only: false })
+    Some(LinePicture { name: closed.name.clone(), ends, spring: None, pulls_only: false, goes_on: false, coil: None })
 }
 
 /// A load on the ground moves nothing and is not drawn.
 fn load(model: &Model, name: &str, picture: Picture<'_>) -> Option<LoadPicture> {
-    let Picture::Arrows { on, force, torque, turns } = picture else { return None };
+    let Picture::Arrows { on, force, torque, turns, over_time } = picture else { return None };
     let body = on.body?;
     let turn = if turns { model.bodies[body].link_from_body.rotation.inverse() } else { UnitQuaternion::identity() };
     let (force, torque) = ((turn * force).into(), (turn * torque).into());
-    Some(LoadPicture { name: name.to_owned(), body, at: on_body(model, on), force, torque, turns })
+    let factor = |over_time: &OverTime| FactorPicture {
+        times: over_time.timeline.times.clone(),
+        values: over_time.values.clone(),
+    };
+    let over_time = over_time.map(factor);
+    Some(LoadPicture { name: name.to_owned(), body, at: on_body(model, on), force, torque, turns, over_time })
 }
 
 /// The point in the axes of its body.

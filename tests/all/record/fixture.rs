@@ -45,6 +45,8 @@ impl Motion {
             ends: vec![(None, [x, 0.0, 2.2]), (Some(2), from)],
             spring: Some([100.0, 0.3]),
             pulls_only: false,
+            goes_on: false,
+            coil: None,
         };
         let load = |name: &str, turns| LoadPicture {
             name: name.into(),
@@ -53,6 +55,7 @@ impl Motion {
             force: [5.0, 0.0, 0.0],
             torque: [0.0, 1.0, 0.0],
             turns,
+            over_time: None,
         };
         let scene = Scene {
             title: "Two links and a box".into(),
@@ -81,6 +84,7 @@ impl Motion {
                 .into(),
             not_unique: vec!["ring".into()],
             watched: true,
+            ..Scene::default()
         };
         Self { scene, pose: double_link_pose }
     }
@@ -166,6 +170,7 @@ fn body(name: &str, parent: Option<usize>, at: [f64; 3], hinge: &str, axes: &[[f
         hinge: hinge.into(),
         hinge_axes: axes.to_vec(),
         hinge_at: at,
+        own_axes: Vec::new(),
     }
 }
 

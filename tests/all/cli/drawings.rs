@@ -1,0 +1,179 @@
+//! What is drawn of a scene, and how large: marks, curves, arrows and frames of pictures and reports.
+
+use super::{Bench, shipped};
+
+/// A body without gravity, with more keys of its own, and what else the scene has.
+fn scene(body: &str, more: &str) -> String {
+    format!(
+        "gravity = [0, 0, 0]\n[simulate]\nstart = \"given\"\nduration = 1.0\n[[body]]\nname = \"a\"\nmass = 1.0\n\
+         inertia = [0.1, 0.1, 0.1]\n{body}\n{more}"
+    )
+}
+
+/// A folder with a recording `run.mcap` of a scene.
+fn recorded(scene: &str) -> Bench {
+    let bench = Bench::new();
+    bench.write("scene.toml", scene);
+    bench.call(&["run", "scene.toml", "--out", "run.mcap", "--quiet"]).code(0);
+    bench
+}
+
+fn picture(bench: &Bench, more: &[&str]) -> String {
+    bench.call(&[&["picture", "run.mcap", "-o", "a.svg", "--quiet"][..], more].concat()).code(0);
+    std::fs::read_to_string(bench.path().join("a.svg")).expect("a picture")
+}
+
+/// How many parts a picture has.
+fn parts(bench: &Bench, more: &[&str]) -> u64 {
+    let call = [&["picture", "run.mcap", "-o", "a.svg", "--json", "--quiet"][..], more].concat();
+    bench.call(&call).code(0).json()["parts"].as_u64().expect("a number")
+}
+
+/// All numbers of a text.
+fn numbers(text: &str) -> Vec<f64> {
+    let words = text.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
+    words.filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Fills of the paths of an SVG, in their order.
+fn fills(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).expect("XML");
+    let fills = document.descendants().filter_map(|node| node.attribute("fill"));
+    fills.filter(|fill| fill.starts_with('#')).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_picture_far_from_the_origin_is_the_one_at_the_origin() {
+    let at = |x: f64| {
+        let hinge =
+            format!("hinge = {{ type = \"free\", position = [{x:?}, 0, 0, 1, 0, 0, 0] }}\nshape = {{ sphere = 0.13 }}");
+        picture(&recorded(&scene(&hinge, "")), &["--camera", "30,20"])
+    };
+    let here = at(0.0);
+    for far in [1e3, 1e6] {
+        let there = at(far);
+        // Lengths are written in hundredths of a pixel; at 1e6 m a place is known to 1e-10 m.
+        let (a, b) = (numbers(&here), numbers(&there));
+        assert_eq!((a.len(), fills(&here)), (b.len(), fills(&there)), "{far} m away");
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 0.15, "{far} m away a point of the picture is {apart} pixels elsewhere");
+    }
+}
+
+const BEAD: &str = "shape = { sphere = 0.05 }\nhinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 100 }";
+
+#[test]
+fn an_arrow_is_there_as_long_as_its_load_is() {
+    let load = "[[force]]\nname = \"F\"\ntype = \"load\"\non = \"a\"\nforce = [-10, 0, 0]\n\
+                over_time = { times = [0.0, 0.5, 0.5], values = [1.0, 1.0, 0.0] }\n";
+    let bench = recorded(&scene(BEAD, load));
+    for (at, arrows) in [("0", 1), ("0.4", 1), ("0.6", 0), ("1", 0)] {
+        assert_eq!(parts(&bench, &["--at", at, "--loads"]) - parts(&bench, &["--at", at]), arrows, "at {at} s");
+    }
+}
+
+#[test]
+fn an_arrow_that_pushes_on_a_body_is_painted_over_it() {
+    let load = "[[force]]\ntype = \"load\"\non = { body = \"a\", at = [0, 0, 0.5] }\nforce = [0, 0, -10]\n";
+    let body = "shape = { box = [1.0, 1.0, 1.0], color = [0.2, 0.4, 0.9] }\nhinge = { type = \"free\" }";
+    let svg = picture(&recorded(&scene(body, load)), &["--loads"]);
+    let is_red = |fill: &String| {
+        fill.len() == 7 && u8::from_str_radix(&fill[1..3], 16).ok() > u8::from_str_radix(&fill[5..7], 16).ok()
+    };
+    assert!(fills(&svg).iter().any(is_red), "the arrow is within the body");
+}
+
+#[test]
+fn reactions_of_bodies_that_are_not_framed_make_no_frame_larger() {
+    let far = "[[body]]\nname = \"far\"\nmass = 1.0\ncenter = [0, 0, 1]\nshape = { sphere = 0.1 }\n\
+               hinge = { type = \"revolute\", at = [100, 0, 0], axis = [0, 0, 1], velocity = 1.0 }\n";
+    let near = "shape = { sphere = 0.1 }\nhinge = { type = \"free\" }";
+    let bench = recorded(&scene(near, &far.replace("center = [0, 0, 1]", "center = [1, 0, 0]")));
+    let around = ["--around", "a"];
+    let frame = |svg: String| svg.lines().find(|line| line.starts_with("<path")).expect("a floor").to_owned();
+    let with = [&around[..], &["--reactions"]].concat();
+    assert_eq!(frame(picture(&bench, &around)), frame(picture(&bench, &with)));
+}
+
+#[test]
+fn the_curve_of_a_bead_is_drawn() {
+    let bench = Bench::new();
+    let bead = shipped("bead_on_cycloid");
+    bench.call(&["run", &bead, "--out", "run.mcap", "--quiet", "--set", "simulate.duration=0.1"]).code(0);
+    assert_eq!(parts(&bench, &[]), 2, "the bead and its wire");
+}
+
+#[test]
+fn marks_are_as_large_as_the_start_asks_for() {
+    let flying = "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { sphere = 0.1 }\nhinge = { type = \"free\", velocity = [900, 0, 0, 0, 0, 0] }\n";
+    let held = "shape = { box = [1, 1, 1], color = \"#ffffff\" }\nhinge = { type = \"spherical\" }";
+    let svg = picture(&recorded(&scene(held, flying)), &["--at", "1"]);
+    let document = roxmltree::Document::parse(&svg).expect("XML");
+    let is_dark = |fill: &str| {
+        fill.len() == 7
+            && [1, 3, 5].iter().all(|at| u8::from_str_radix(&fill[*at..at + 2], 16).is_ok_and(|part| part < 0x60))
+    };
+    let dark = document.descendants().filter(|node| node.attribute("fill").is_some_and(is_dark));
+    // Faces alone, not the shadows, which are seen through.
+    let faces: Vec<&str> =
+        dark.filter(|node| !node.has_attribute("fill-opacity")).filter_map(|node| node.attribute("d")).collect();
+    assert!(!faces.is_empty(), "no mark");
+    for path in faces {
+        let places = numbers(path);
+        let (x, most) = (places.iter().step_by(2), f64::max);
+        let width = x.clone().copied().fold(0.0, most) - x.copied().fold(f64::INFINITY, f64::min);
+        // The cube is a fiftieth of a metre, in a picture of 900 m; by the extent of that it would be 12 m large.
+        assert!(width < 1.0, "a mark of {width} pixels");
+    }
+}
+
+#[test]
+fn a_time_beyond_the_recording_is_said_to_be_so() {
+    let bench = recorded(&scene(BEAD, ""));
+    let said = |at: &str| bench.call(&["picture", "run.mcap", "-o", "a.svg", "--at", at]).code(0).err;
+    assert!(
+        said("99").contains("`--at 99` is after the end of `run.mcap`: its last sample is drawn, that at 1 s"),
+        "{}",
+        said("99")
+    );
+    assert!(said("-1").contains("before `run.mcap` begins: its first sample is drawn, that at 0 s"), "{}", said("-1"));
+    assert_eq!(said("0.5042"), "");
+}
+
+#[test]
+fn gltf_without_a_motion_says_that_it_has_no_animation() {
+    let bench = recorded(&scene("shape = { sphere = 0.1 }\nhinge = { type = \"free\" }", ""));
+    let said = bench.call(&["view", "run.mcap", "--save", "a.glb"]).code(0).out;
+    assert!(said.contains("101 samples, no animation: nothing moves"), "{said}");
+}
+
+#[test]
+fn a_report_opens_on_the_start_of_a_flight_and_on_all_of_a_swing() {
+    let flight = "shape = { sphere = 0.1 }\nhinge = { type = \"free\", velocity = [50, 0, 0, 0, 0, 0] }";
+    let swing = "center = [0, 0, -1]\nshape = { sphere = 0.1, at = [0, 0, -1] }\n\
+                 hinge = { type = \"revolute\", axis = [0, 1, 0], velocity = 1.0 }";
+    for (body, opens) in [(flight, "start"), (swing, "all")] {
+        let bench = recorded(&scene(body, ""));
+        bench.call(&["report", "run.mcap", "-o", "a.html"]).code(0);
+        let page = std::fs::read_to_string(bench.path().join("a.html")).expect("a page");
+        assert!(page.contains(&format!("\"opens\":\"{opens}\"")), "it does not open on {opens}");
+    }
+}
+
+#[test]
+fn a_report_has_units_and_no_round_off() {
+    let bench = Bench::new();
+    let wishbone = shipped("double_wishbone");
+    bench.call(&["report", &wishbone, "-o", "a.html", "--set", "simulate.duration=0.2", "--quiet"]).code(0);
+    let page = std::fs::read_to_string(bench.path().join("a.html")).expect("a page");
+    let camber = page.split("<td>camber</td>").nth(1).and_then(|rest| rest.split("</tr>").next()).expect("a row");
+    assert!(camber.contains("<td>rad</td>"), "{camber}");
+    let cells =
+        page.split("<td").skip(1).filter_map(|cell| cell.split_once('>')?.1.split('<').next()?.parse::<f64>().ok());
+    // The largest numbers are some 1e4 N; what is below 1e-12 of them is round-off, of lengths below 1e-13 m.
+    let noise: Vec<f64> = cells.filter(|x| *x != 0.0 && x.abs() < 1e-12).collect();
+    assert!(noise.is_empty(), "{noise:?}");
+    let said = bench.call(&["run", &wishbone, "--set", "simulate.duration=0.2", "--out", "a.mcap"]).code(0).out;
+    let size = said.lines().find(|line| line.contains("degrees of freedom")).and_then(|line| line.split(", ").next());
+    assert!(page.contains(size.expect("a size").trim()), "{said}");
+}
