@@ -67,6 +67,18 @@ pub(super) fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// `1st`, `2nd`, `13th`.
+pub(super) fn ordinal(n: usize) -> String {
+    let end = match (n % 100, n % 10) {
+        (11..=13, _) => "th",
+        (_, 1) => "st",
+        (_, 2) => "nd",
+        (_, 3) => "rd",
+        _ => "th",
+    };
+    format!("{n}{end}")
+}
+
 /// `25 ×`, `0.31 ×`.
 pub(super) fn times(factor: f64) -> String {
     if factor >= 10.0 { format!("{factor:.0} ×") } else { format!("{factor:.2} ×") }
@@ -74,12 +86,18 @@ pub(super) fn times(factor: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{aligned, exact};
+    use super::{aligned, exact, ordinal};
 
     #[test]
     fn decimal_points_stand_below_each_other() {
         assert_eq!(aligned([0.5135, 73.57, -101.0, 2.5e-9]), ["   0.5135", "  73.57  ", "-101     ", "   2.5e-9"]);
         assert!(aligned([]).is_empty());
+    }
+
+    #[test]
+    fn ordinals_end_as_they_are_said() {
+        let shown = [1, 2, 3, 4, 11, 12, 13, 21, 102, 111, 1003].map(ordinal);
+        assert_eq!(shown.join(" "), "1st 2nd 3rd 4th 11th 12th 13th 21st 102nd 111th 1003rd");
     }
 
     #[test]

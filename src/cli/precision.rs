@@ -222,7 +222,7 @@ fn to_text(study: &Study, wanted: f64, csv: &str, svg: Option<&str>) -> String {
 fn row(point: &Point) -> String {
     let setting = match point.setting {
         Setting::Tolerance(tolerance) => format!("{tolerance:.0e}"),
-        Setting::Step(step) => format!("{step:.2e} s"),
+        Setting::Step(step) => format!("{} s", text::number(step)),
     };
     let begin = format!("{:<17} {setting:>16}", point.method.name());
     match &point.outcome {

@@ -93,8 +93,15 @@ fn unknown(tables: &[Table], name: &str) -> anyhow::Error {
     let own = of_body.as_ref().map_or(Vec::new(), |(body, _)| {
         known().filter(|column| column.starts_with(body.as_str())).take(MOST_NAMES).collect::<Vec<_>>()
     });
-    let ends = of_body.as_ref().and_then(|(_, last)| own.iter().find(|column| column.ends_with(last)));
-    let hint = match suggest::closest(name, names()).or(ends.copied()) {
+    // The body that is named is meant: other bodies are looked at if there is none of this name.
+    let near = match &of_body {
+        Some((_, last)) if !own.is_empty() => {
+            let ends = own.iter().find(|column| column.ends_with(last)).copied();
+            suggest::closest(name, own.iter().copied()).or(ends)
+        }
+        _ => suggest::closest(name, names()),
+    };
+    let hint = match near {
         Some(near) => format!("did you mean `{near}`?"),
         None if !own.is_empty() => format!("of it there are {}", own.join(", ")),
         None => {

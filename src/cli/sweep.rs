@@ -145,6 +145,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         cases.go_alone();
     }
     let sweep = Sweep { arguments, cases, interrupt: Interrupt::install()? };
+    arguments.out.as_deref().map_or(Ok(()), refuse_other_formats)?;
     match &arguments.out {
         Some(folder) if !is_table(folder) => {
             if folder.is_file() {
@@ -163,6 +164,27 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 /// Whether an output is one file of all rows.
 fn is_table(path: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("csv")) || path.starts_with("/dev")
+}
+
+/// What files of tables, archives and texts end in that a sweep does not write: a folder of such a name is hardly meant.
+const OTHER_FORMATS: [&str; 16] = [
+    "arrow", "db", "feather", "h5", "hdf5", "json", "jsonl", "mat", "npz", "ods", "parquet", "sqlite", "tsv", "txt",
+    "xls", "xlsx",
+];
+
+/// Refuses a name that would become a folder and looks like something else.
+fn refuse_other_formats(out: &Path) -> anyhow::Result<()> {
+    if out.as_os_str() == "-" {
+        bail!("`--out -` is no file: without `--out` the rows are printed, and `--out /dev/stdout` prints them as CSV");
+    }
+    let end = out.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if OTHER_FORMATS.contains(&end.as_str()) && !out.exists() {
+        bail!(
+            "`{}`: no .{end} is written: name a file that ends in .csv, or a folder for a dataset of Parquet parts",
+            out.display()
+        );
+    }
+    Ok(())
 }
 
 /// Refuses what only a dataset has.

@@ -17,7 +17,7 @@ const MOST_LINES: usize = 8;
 /// Zero-stiffness motions among them.
 const MOST_IDLE: usize = 3;
 /// A smaller part of critical damping is round-off.
-const UNDAMPED: f64 = 1e-10;
+pub(super) const UNDAMPED: f64 = 1e-10;
 
 pub(super) fn duration(wall: Duration) -> String {
     let seconds = wall.as_secs_f64();
@@ -304,20 +304,24 @@ fn pushes(out: &mut String, title: &str, forces: &[(String, f64, &str)]) {
     more(out, forces.len());
 }
 
-/// The outputs, one line each; `None` without any.
-pub(super) fn outputs(model: &Model, values: &[f64]) -> Option<String> {
-    let (length, weight) = (model.length_scale(), weight(model));
-    // What is round-off of the scene; of other units nothing is known.
-    let scale = |unit: &str| match unit {
+/// The size that numbers of a unit have in a scene of some length (m) and weight (N), for what is round-off of it; zero for units of which
+/// nothing is known.
+pub(super) fn size(unit: &str, length: f64, weight: f64) -> f64 {
+    match unit {
         "m" => length,
         "rad" | "1" => 1.0,
         "N" | "N m" | "J" => weight,
         _ => 0.0,
-    };
+    }
+}
+
+/// The outputs, one line each; `None` without any.
+pub(super) fn outputs(model: &Model, values: &[f64]) -> Option<String> {
+    let (length, weight) = (model.length_scale(), weight(model));
     let line = |(index, output): (usize, &Output)| {
         let head = if index == 0 { "outputs" } else { "" };
         let of = values.get(output.range()).unwrap_or_default().iter().zip(&output.units);
-        let shown = numbers(of.map(|(value, unit)| without_noise(*value, scale(unit))));
+        let shown = numbers(of.map(|(value, unit)| without_noise(*value, size(unit, length, weight))));
         let mut units: Vec<&str> = output.units.iter().map(String::as_str).filter(|unit| *unit != "1").collect();
         units.dedup();
         format!("  {head:<12} {:<20} {shown} {}", output.name, units.join(", ")).trim_end().to_owned()

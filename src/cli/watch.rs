@@ -145,7 +145,12 @@ fn poses(now: &Material, before: &Material) -> Vec<String> {
         hinges.flat_map(of_hinge).collect()
     };
     let (old, new) = (coordinates(before), coordinates(now));
-    differences("pose", &old, &new, |a, b| format!("{} → {} ({:+.3e})", number(a), number(b), b - a))
+    differences("pose", &old, &new, |a, b| format!("{} → {} ({})", number(a), number(b), signed(b - a)))
+}
+
+/// A change, with its sign.
+fn signed(change: f64) -> String {
+    format!("{}{}", if change > 0.0 { "+" } else { "" }, number(change))
 }
 
 fn modes(now: &Material, before: &Material) -> Vec<String> {

@@ -141,14 +141,13 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     if let Some(turned) = turned_over(model, &q) {
         return Err(vec![turned]);
     }
-    let moved = largest_move(model, &given, &q);
+    let (moved, furthest) = largest_move(model, &given, &q);
     if moved > MOVED {
         // Of many loops the one that is open most says little.
         let what = if given_widest.element.starts_with("loop") { "the loops" } else { given_widest.element.as_str() };
         notes.push(format!(
-            "the given positions are a guess that leaves {what} open by {}: closed to {near}, up to {} away",
-            given_widest.words(),
-            number(moved)
+            "the given positions are a guess that leaves {what} open by {}: closed to {near}, up to {furthest} away",
+            given_widest.words()
         ));
     }
     model.start_position = q;
@@ -429,19 +428,34 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
     crate::motion::displace(model, q, &step);
 }
 
-/// The largest change of a coordinate that was given (rad, or part of the scene's length): those of cables are not.
-fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> f64 {
-    let (length, mut largest) = (model.length_scale(), 0.0_f64);
+/// The largest change of a coordinate that was given (rad, or part of the scene's length), and the change in words: those of
+/// cables are not given.
+fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> (f64, String) {
+    let (length, mut largest) = (model.length_scale(), (0.0, 0.0, ""));
     let of_cables = |body: usize| {
         let mut cables = model.beams.iter().filter(|beam| beam.is_cable);
         cables.any(|cable| (cable.root..=cable.root + cable.elements.len()).contains(&body))
     };
     for link in model.links.iter().filter(|link| !of_cables(link.body)) {
         let per = link.joint.unit(length);
-        let (count, _) = link.joint.counts();
-        for i in link.position..link.position + count {
-            largest = largest.max((to[i] - from[i]).abs() / per);
+        let (count, velocities) = link.joint.counts();
+        let place = link.position..link.position + count;
+        let changes = || place.clone().map(|i| (to[i] - from[i]).abs());
+        let most = changes().fold(0.0, f64::max);
+        if most / per <= largest.0 {
+            continue;
         }
+        let (size, unit) = match () {
+            () if link.joint.is_distance() => (most, " m"),
+            () if link.joint.is_angle() => (most, " rad"),
+            // Unit quaternions at a distance of 2 sin(θ/4) are turned by θ against each other.
+            () if count > velocities => {
+                let chord = changes().map(|change| change * change).sum::<f64>().sqrt();
+                (4.0 * (0.5 * chord).min(1.0).asin(), " rad")
+            }
+            () => (most, ""),
+        };
+        largest = (most / per, size, unit);
     }
-    largest
+    (largest.0, format!("{}{}", number(largest.1), largest.2))
 }

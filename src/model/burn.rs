@@ -9,13 +9,16 @@
 //! ```
 
 use super::description::{Description, MassProperties};
-use super::problem::{Element, Problem};
+use super::problem::{Element, Problem, number};
 use super::tree::weld;
 use super::{Link, Model};
 use crate::force::timeline::{Between, Timeline};
 use crate::spatial::link::LinkMotion;
 use crate::spatial::{Principal, Sym3};
 use nalgebra::{Matrix3, Vector3};
+
+/// Masses of one formula may differ by their rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// A body whose mass burns away.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,8 +79,19 @@ pub(super) fn check(description: &Description, row: &mut dyn FnMut(usize, &MassP
             continue;
         }
         if let Some(bad) = burn.rows.iter().position(|row| !(row.mass > 0.0)) {
-            let (mass, time) = (burn.rows[bad].mass, burn.timeline.times[bad]);
+            let (mass, time) = (number(burn.rows[bad].mass), number(burn.timeline.times[bad]));
             add("burn.mass", format!("at t = {time} s the mass of `{}` is {mass} kg", burn.body), "allowed: > 0 kg");
+        }
+        let grows = |pair: &[MassProperties]| pair[1].mass > (1.0 + ROUNDING) * pair[0].mass;
+        if let Some(k) = burn.rows.windows(2).position(grows) {
+            let [before, after] = [k, k + 1].map(|k| (number(burn.rows[k].mass), number(burn.timeline.times[k])));
+            let message = format!(
+                "the mass of `{}` grows from {} kg at t = {} s to {} kg at t = {} s",
+                burn.body, before.0, before.1, after.0, after.1
+            );
+            let help = "what burns becomes less: masses must not grow. What a body takes up has a velocity of its own: let another \
+                        body join it by a `[[stage]]` with `close`";
+            add(&format!("burn.mass[{}]", k + 1), message, help);
         }
         if description.burns[..at].iter().any(|other| other.body == burn.body) {
             add("burn", format!("`{}` burns twice", burn.body), "one table for a body");

@@ -76,6 +76,16 @@ pub fn significant(x: f64, digits: usize) -> String {
     without_zeros(&format!("{x:.decimals$}")).to_owned()
 }
 
+/// Digits of two numbers that may look alike, up to all there are.
+const DIGITS: std::ops::RangeInclusive<usize> = 6..=17;
+
+/// Two numbers with as many digits as tell them apart, six at least.
+pub fn apart(a: f64, b: f64) -> [String; 2] {
+    let both = |digits: usize| [a, b].map(|x| significant(x, digits));
+    let differ = DIGITS.map(both).find(|[a, b]| a != b);
+    differ.unwrap_or_else(|| [a, b].map(number))
+}
+
 fn without_zeros(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
@@ -97,7 +107,14 @@ impl fmt::Display for Problem {
 
 #[cfg(test)]
 mod tests {
-    use super::{number, significant};
+    use super::{apart, number, significant};
+
+    #[test]
+    fn numbers_that_look_alike_get_the_digits_that_tell_them_apart() {
+        assert_eq!(apart(0.25, 0.75), ["0.25", "0.75"]);
+        assert_eq!(apart(0.069_308_800_123, 0.069_308_800_124), ["0.069308800123", "0.069308800124"]);
+        assert_eq!(apart(1.0, 1.0 + f64::EPSILON), ["1", "1.0000000000000002"]);
+    }
 
     #[test]
     fn numbers_are_as_short_as_they_can_be() {

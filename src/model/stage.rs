@@ -1,5 +1,6 @@
 //! Changes of structure in a run: what a stage does, and when.
 
+use super::problem::number;
 use std::fmt;
 
 /// A change of structure.
@@ -87,7 +88,7 @@ impl StageDescription {
 impl fmt::Display for When {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Time(time) => write!(f, "t = {time} s"),
+            Self::Time(time) => write!(f, "t = {} s", number(*time)),
             Self::Event(name) => write!(f, "event `{name}`"),
         }
     }

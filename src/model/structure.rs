@@ -4,6 +4,8 @@
 //! opened is a free hinge against the ground; what acted in its coordinates goes with it. A locked hinge has a drive that
 //! stands still for each of its coordinates.
 
+mod order;
+
 use super::Model;
 use super::couplings::{CoordinateName, DriveDescription, MotionDescription};
 use super::description::{Description, HingeDescription, HingeKind, WatchedDescription};
@@ -106,28 +108,32 @@ impl Structure {
         let mut next = self.clone();
         for (verb, index, name) in description.stages[stage].named() {
             let Some((meant, part)) = meant(description, verb, name) else { continue };
-            let why = match (meant, part) {
-                (Verb::Open | Verb::Lock | Verb::Release, Part::Hinge(body)) if next.freed.contains_key(&body) => {
-                    Some("has opened before")
-                }
-                (Verb::Open, Part::Hinge(body)) => {
-                    next.locked.remove(&body);
-                    next.freed.insert(body, Pose::identity());
-                    None
-                }
-                (Verb::Close, Part::Hinge(_)) => Some("cannot close"),
-                (Verb::Lock, Part::Hinge(body)) => next.locked.insert(body, None).map(|_| "is locked already"),
-                (Verb::Release, Part::Hinge(body)) => next.locked.remove(&body).is_none().then_some("is not locked"),
-                (Verb::Open | Verb::Release, part) => (!next.absent.insert(part)).then_some("is open already"),
-                (Verb::Close | Verb::Lock, part) => (!next.absent.remove(&part)).then_some("is closed already"),
-            };
-            if let Some(why) = why {
+            if let Some(why) = next.change(meant, part) {
                 return Err(Contradiction { verb, index, why: format!("`{name}` {why}") });
             }
         }
         next.done.insert(stage);
         *self = next;
         Ok(())
+    }
+
+    /// Changes one part; what contradicts that, if anything does.
+    fn change(&mut self, meant: Verb, part: Part) -> Option<&'static str> {
+        match (meant, part) {
+            (Verb::Open | Verb::Lock | Verb::Release, Part::Hinge(body)) if self.freed.contains_key(&body) => {
+                Some("has opened before")
+            }
+            (Verb::Open, Part::Hinge(body)) => {
+                self.locked.remove(&body);
+                self.freed.insert(body, Pose::identity());
+                None
+            }
+            (Verb::Close, Part::Hinge(_)) => Some("cannot close"),
+            (Verb::Lock, Part::Hinge(body)) => self.locked.insert(body, None).map(|_| "is locked already"),
+            (Verb::Release, Part::Hinge(body)) => self.locked.remove(&body).is_none().then_some("is not locked"),
+            (Verb::Open | Verb::Release, part) => (!self.absent.insert(part)).then_some("is open already"),
+            (Verb::Close | Verb::Lock, part) => (!self.absent.remove(&part)).then_some("is closed already"),
+        }
     }
 
     /// Whether a stage has come.
@@ -226,7 +232,10 @@ pub(super) fn build(
 ) -> Result<Model, Vec<Problem>> {
     // What is wrong without regard to stages is said at its own place.
     build(&Description { stages: Vec::new(), ..whole.clone() })?;
-    let problems = check(whole);
+    let mut problems = check(whole);
+    if problems.is_empty() {
+        problems = order::check(whole);
+    }
     if !problems.is_empty() {
         return Err(problems);
     }

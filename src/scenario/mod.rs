@@ -206,7 +206,7 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
         let (mut description, spans) = checked(document, folder(name), findings);
         description.named = named(numbers, (name, text, overrides));
         let built = report(document, &description, &spans, findings);
-        lint::check(document, numbers, findings);
+        lint::check(document, &description, numbers, findings);
         Scenario { built, ..read(name, document, description, models, numbers, findings) }
     })
 }

@@ -21,6 +21,7 @@
 
 use crate::integrate::{Method, Stepper};
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::{Integrator, Settings, Start};
 use crate::simulate::stiffness::fastest;
@@ -111,9 +112,11 @@ impl Choice {
         let step = time - stepper.previous_time();
         let reach = fastest(motion, time, stepper.position(), stepper.velocity()).map(|fastest| step * fastest.rate);
         let why = match explicit {
-            true if reach.is_none_or(|reach| reach > HELD) => format!("was held by stability at t = {time:.3e} s"),
+            true if reach.is_none_or(|reach| reach > HELD) => {
+                format!("was held by stability at t = {} s", number(time))
+            }
             false if reach.is_some_and(|reach| reach < 1.0) => {
-                format!("took steps at t = {time:.3e} s that an explicit method can take")
+                format!("took steps at t = {} s that an explicit method can take", number(time))
             }
             true => {
                 self.wait = REVIEW.max(self.wait.saturating_mul(2));

@@ -3,6 +3,7 @@
 use crate::dynamics::Fault;
 use crate::integrate::{Component, Limit, StepError};
 use crate::model::Model;
+use crate::model::problem::{apart, number};
 use crate::record::RecordError;
 
 /// Why a run ended early.
@@ -20,7 +21,7 @@ pub enum RunError {
         why: String,
     },
     /// Bodies whose contact cannot be decided.
-    #[error("at t = {time} s the contact of `{}` and `{}` cannot be decided: {why}", .between[0], .between[1])]
+    #[error("at t = {} s the contact of `{}` and `{}` cannot be decided: {why}", number(*.time), .between[0], .between[1])]
     Touch {
         /// Time (s).
         time: f64,
@@ -46,8 +47,8 @@ pub enum RunError {
     },
     /// The steps are so short that the end is out of reach.
     #[error(
-        "at t = {time} s the run creeps: its steps are {step:.1e} s, {left:.0e} of them to the end; the error of \
-         {component} asks for them; try softer springs and dampers around it, a looser tolerance, or a shorter run"
+        "at t = {} s the run creeps: its steps are {step:.1e} s, {left:.0e} of them to the end; the error of \
+         {component} asks for them; try softer springs and dampers around it, a looser tolerance, or a shorter run", number(*.time)
     )]
     Creep {
         /// Reached time (s).
@@ -60,7 +61,7 @@ pub enum RunError {
         component: String,
     },
     /// The start is beyond a stop.
-    #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}")]
+    #[error("the hinge of `{hinge}` starts at {}", beyond(*.value, *.low, *.high))]
     Limit {
         /// Body whose hinge it is.
         hinge: String,
@@ -73,8 +74,8 @@ pub enum RunError {
     },
     /// A stop in the way of a motion that is prescribed.
     #[error(
-        "at t = {time} s the hinge of `{hinge}` is driven through its limit {limit}: {by} leave it no other way; widen \
-         `limits`, or let the motion end before"
+        "at t = {} s the hinge of `{hinge}` is driven through its limit {}: {by} leave it no other way; widen \
+         `limits`, or let the motion end before", number(*.time), number(*.limit)
     )]
     Jam {
         /// Time (s).
@@ -88,8 +89,8 @@ pub enum RunError {
     },
     /// A rigid stop that was passed without an event: the guard behind the search for events.
     #[error(
-        "at t = {time} s the hinge of `{hinge}` is at {value}, beyond its rigid limit {limit}: the stop was passed between two \
-         looks; try a smaller `tolerance` or `step`, or a compliant stop, and please report the scene"
+        "at t = {} s the hinge of `{hinge}` is at {}: the stop was passed between two looks; try a \
+         smaller `tolerance` or `step`, or a compliant stop, and please report the scene", number(*.time), apart(*.value, *.limit).join(", beyond its rigid limit ")
     )]
     Passed {
         /// Time (s).
@@ -103,8 +104,8 @@ pub enum RunError {
     },
     /// A body at the end of its curve.
     #[error(
-        "at t = {time} s `{hinge}` leaves its curve at its end, an arc length of {at} m, with {speed} m/s; give the hinge `limits`, \
-         make the curve longer, or end the run there by an `[[event]]` with `action = \"stop\"`"
+        "at t = {} s `{hinge}` leaves its curve at its end, an arc length of {} m, with {} m/s; give the hinge `limits`, \
+         make the curve longer, or end the run there by an `[[event]]` with `action = \"stop\"`", number(*.time), number(*.at), number(*.speed)
     )]
     Leaves {
         /// (s)
@@ -118,8 +119,8 @@ pub enum RunError {
     },
     /// Events in ever shorter times.
     #[error(
-        "at t = {time} s the run creeps: {count} events within {span:.1e} s, the last at `{name}`, and \
-         {left:.0e} s to go; try a smaller `restitution`, a compliant stop with `damping`, or a shorter run"
+        "at t = {} s the run creeps: {count} events within {span:.1e} s, the last at `{name}`, and {} s to go; try a smaller \
+         `restitution`, a compliant stop with `damping`, or a shorter run", number(*.time), number(*.left)
     )]
     Storm {
         /// Time (s).
@@ -135,8 +136,8 @@ pub enum RunError {
     },
     /// An angle with too few digits after the point.
     #[error(
-        "the hinge coordinate {hinge} starts at {angle:e} rad, where angles are {rounding:.1e} rad apart and the tolerance is \
-         {tolerance:.1e}; take whole turns off its position"
+        "the hinge coordinate {hinge} starts at {} rad, where angles are {rounding:.1e} rad apart and the tolerance is \
+         {tolerance:.1e}; take whole turns off its position", number(*.angle)
     )]
     Coarse {
         /// The coordinate.
@@ -149,7 +150,7 @@ pub enum RunError {
         tolerance: f64,
     },
     /// A controller that cannot act.
-    #[error("at t = {time} s the controller `{name}` cannot act: {reason}")]
+    #[error("at t = {} s the controller `{name}` cannot act: {reason}", number(*.time))]
     Controller {
         /// Time (s).
         time: f64,
@@ -160,8 +161,8 @@ pub enum RunError {
     },
     /// A controller that does not let an equilibrium be one.
     #[error(
-        "at the equilibrium that statics has found with `{input}` at {given} the controller `{name}` sets it to {asked}: give its \
-         `bias` and `setpoint` the values that belong to each other there, or start at a given state"
+        "at the equilibrium that statics has found with `{input}` at {}: give its \
+         `bias` and `setpoint` the values that belong to each other there, or start at a given state", apart(*.given, *.asked).join(&format!(" the controller `{name}` sets it to "))
     )]
     Unsteady {
         /// The controller.
@@ -174,7 +175,7 @@ pub enum RunError {
         asked: f64,
     },
     /// The system cannot be evaluated where a sample is due.
-    #[error("at t = {time} s: {fault}")]
+    #[error("at t = {} s: {fault}", number(*.time))]
     Sample {
         /// Time (s).
         time: f64,
@@ -182,7 +183,7 @@ pub enum RunError {
         fault: Fault,
     },
     /// A change of structure that cannot be made.
-    #[error("at t = {time} s stage `{name}` cannot come: {why}")]
+    #[error("at t = {} s stage `{name}` cannot come: {why}", number(*.time))]
     Stage {
         /// Time (s).
         time: f64,
@@ -198,6 +199,14 @@ pub enum RunError {
     #[error(transparent)]
     Record(#[from] RecordError),
 }
+
+/// A coordinate and the limits that it is beyond, with as many digits as tell them apart.
+fn beyond(value: f64, low: f64, high: f64) -> String {
+    let ([at, shown], is_low) = if value < low { (apart(value, low), true) } else { (apart(value, high), false) };
+    let [low, high] = if is_low { [shown, number(high)] } else { [number(low), shown] };
+    format!("{at}, beyond its limits {low} to {high}")
+}
+
 /// The error with the hinge's name in place of an index.
 pub(super) fn named(model: &Model, error: &StepError) -> RunError {
     let text = error.to_string();

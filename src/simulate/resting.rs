@@ -15,6 +15,7 @@
 
 use crate::integrate::{Progress, Start, StepError, Stepper};
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::record::ContactPush;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
@@ -85,9 +86,10 @@ pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(),
         // Written so that what is not a number is none.
         if let Some(index) = velocities.into_iter().find(|i| !(a[*i].abs() <= STILL * unit)) {
             let why = format!(
-                "its supports leave the hinge coordinate {} {:.3e} of acceleration",
+                "its supports leave the hinge coordinate {} {} {} of acceleration",
                 model.label(index),
-                a[index]
+                number(a[index]),
+                if link.joint.is_distance() { "m/s²" } else { "rad/s²" }
             );
             return Err(RunError::Contact { name: rule.name, why });
         }

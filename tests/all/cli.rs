@@ -9,6 +9,7 @@ mod damage;
 mod datasets;
 #[cfg(feature = "friction")]
 mod discs;
+mod drawings;
 #[cfg(feature = "friction")]
 mod edges;
 mod guided_contact;
@@ -25,6 +26,7 @@ mod poses;
 mod precision;
 mod python;
 mod recordings;
+mod rubbing_captured;
 mod seen;
 mod shell;
 #[cfg(feature = "friction")]

@@ -234,6 +234,7 @@ fn bad_tables_are_shown_where_they_are_written() {
         ("burn = { times = [0.0, 1.0], mass = [2.0, 1.0] }\nmass = 2.0", ""),
         ("burn = { times = [0.0, 1.0], mass = [2.0, 1.0], center = [[0.0, 0.0, 0.0]] }", ""),
         ("burn = { times = [0.0, 1.0], mass = [2.0, 1.0], inertia = [[1.0, 1.0, 1.0], [1.0, 1.0, 9.0]] }", ""),
+        ("burn = { times = [0.0, 1.0, 2.0], mass = [2.0, 1.0, 1.5] }", ""),
         ("mass = 1.0", "over_time = { times = [0.0, 1.0], values = [1.0] }"),
     ];
     insta::assert_snapshot!(all.map(|(body, force)| said(body, force)).join("\n"), @r#"
@@ -276,6 +277,15 @@ fn bad_tables_are_shown_where_they_are_written() {
       |                                                           ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
       |
       = help: inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit
+
+    scene.toml: 1 error
+    error: the mass of `rocket` grows from 1 kg at t = 1 s to 1.5 kg at t = 2 s
+     --> scene.toml:3:53
+      |
+    3 | burn = { times = [0.0, 1.0, 2.0], mass = [2.0, 1.0, 1.5] }
+      |                                                     ^^^
+      |
+      = help: what burns becomes less: masses must not grow. What a body takes up has a velocity of its own: let another body join it by a `[[stage]]` with `close`
 
     scene.toml: 1 error
     error: `over_time` of `force[0]` has 2 times and 1 values

@@ -343,7 +343,7 @@ fn the_end_of_a_curve_ends_the_run_by_name_and_time() {
         let time = (2.0 * length / fall).sqrt();
         let error = run(&model, 2.0 * time, &start).expect_err("the end is reached");
         let said: f64 = error.strip_prefix("at t = ").and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
-        assert!(error.contains("`bead` leaves its curve") && (said - time).abs() < 1e-8 * time, "{error} {time}");
+        assert!(error.contains("`bead` leaves its curve") && (said - time).abs() < 1e-5 * time, "{error} {time}");
         assert!(run(&model, 0.999 * time, &start).is_ok());
         // A rigid stop there turns it round.
         let law = StopLaw::Rigid { restitution: 0.5 };
@@ -410,13 +410,13 @@ fn bad_curves_are_shown_where_they_are_written() {
         "turn = \"follows\"",
     ];
     insta::assert_snapshot!(all.map(said).join("\n"), @r#"
-    error: the curve of the hinge of `bead` is not smooth near parameter 0
+    error: the curve of the hinge of `bead` is not smooth near parameter 0, looked at in pieces down to 2e-9
      --> scene.toml:4:85
       |
     4 | hinge = { type = "along", curve = { parameter = "u", x = "u", z = "abs(u)", range = [-1.0, 1.3] } }
       |                                                                                     ^^^^^^^^^^^
       |
-      = help: the tangent and its derivative must be continuous, and the parameter must never stand still
+      = help: the tangent and its derivative must be continuous, and the parameter must never stand still; waves that are as fine as these pieces look like kinks
 
     scene.toml: 1 error
     error: the curve of the hinge of `bead` has no pitch and 2 turns: it closes on itself

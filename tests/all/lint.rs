@@ -2,6 +2,7 @@
 
 use crate::common::Random;
 use crate::scenarios;
+use stillpoint::model::problem::number;
 use stillpoint::scenario::{load, parse};
 
 /// The warnings of a scene.
@@ -41,7 +42,7 @@ fn degrees_in_the_place_of_radians_are_told_with_their_conversion() {
         let keys = &keys[random.below(4)];
         let said = warnings(&hinge(kind, keys));
         assert_eq!(said.matches("warning:").count(), 1, "{keys}: {said}");
-        let conversion = format!("{degrees}° are {:.6}; write \"{degrees} deg\"", degrees.to_radians());
+        let conversion = format!("{degrees}° are {}; write \"{degrees} deg\"", number(degrees.to_radians()));
         assert!(said.contains("is more than a turn") && said.contains(&conversion), "{keys}: {said}");
         assert!(said.contains("scene.toml:6:"), "{said}");
         // What it proposes is silent, and so are radians within a turn and lengths of any size.
@@ -155,6 +156,149 @@ fn a_stiffness_in_newtons_per_millimetre_is_told_by_how_far_the_body_sinks() {
     }
 }
 
+/// One warning, with these words.
+#[track_caller]
+fn told_once(scene: &str, words: &[&str]) {
+    let said = warnings(scene);
+    assert_eq!(said.matches("warning:").count(), 1, "{scene}\n{said}");
+    for word in words {
+        assert!(said.contains(word), "no {word}:\n{scene}\n{said}");
+    }
+}
+
+/// Every coordinate that is an angle counts, wherever it stands, and none that is a distance.
+#[test]
+fn degrees_are_told_in_every_hinge_that_turns() {
+    let body = "[[body]]\nname = \"arm\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n";
+    let curve = "curve = { straight = 60.0 }";
+    let angles = [
+        format!("{body}hinge = {{ type = \"cylindrical\", axis = [0, 1, 0], position = [45, 20] }}\n"),
+        format!("{body}hinge = {{ type = \"planar\", position = [45, 45, 20] }}\n"),
+        format!("{body}hinge = {{ type = \"along\", turn = \"free\", {curve}, position = [45, 20] }}\n"),
+        hinge("revolute", "limits = { low = -1.0, high = 20 }"),
+        hinge("revolute", "limits = [{ high = 20, stiffness = 10.0 }]"),
+        hinge("universal", "limits = [{ coordinate = 1, high = 20 }]"),
+        format!(
+            "{body}shape = [{{ sphere = 0.1 }}, {{ box = [0.1, 0.1, 0.1], rpy = [0, 20, 0] }}]\nhinge = {{ type = \"free\" }}\n"
+        ),
+        "[[beam]]\nname = \"beam\"\nlength = 1.0\nsection = { circle = 0.01 }\nmaterial = { young = 2e11, density = 7800.0 }\n\
+         hinge = { type = \"revolute\", axis = [0, 1, 0], position = 20 }\n"
+            .to_owned(),
+    ];
+    for scene in angles {
+        told_once(&scene, &["20 rad is more than a turn", "20° are 0.349066", "write \"20 deg\""]);
+        assert_eq!(warnings(&scene.replace("20", "0.2")), "", "{scene}");
+    }
+}
+
+/// Where the floor is, is down; a scene whose y points down is as it is meant.
+#[test]
+fn gravity_that_leads_off_the_floor_is_told() {
+    let scene = |gravity: &str, floor: &str| {
+        format!(
+            "gravity = {gravity}\n[[body]]\nname = \"floor\"\nshape = {{ plane = {floor} }}\nhinge = {{ type = \"fixed\" }}\n\
+             [[body]]\nname = \"ball\"\nmass = 1.0\nshape = {{ sphere = 0.1 }}\ninertia = [0.004, 0.004, 0.004]\n\
+             hinge = {{ type = \"free\", position = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], at = [1.0, 1.0, 1.0] }}\n\
+             [[contact]]\nbetween = [\"floor\", \"ball\"]\nfriction = 0.4\n"
+        )
+    };
+    told_once(
+        &scene("[0.0, 9.81, 0.0]", "[0.0, 1.0, 0.0]"),
+        &["away from the plane of `floor`", "write [0, -9.81, 0]"],
+    );
+    for (gravity, floor) in [
+        ("[0.0, -9.81, 0.0]", "[0.0, 1.0, 0.0]"),
+        ("[0.0, 9.81, 0.0]", "[0.0, -1.0, 0.0]"),
+        ("[0.0, 9.81, 0.0]", "[1.0, 0.0, 0.0]"),
+        ("[0.0, 0.0, -9.81]", "[0.0, 0.0, -1.0]"),
+    ] {
+        assert_eq!(warnings(&scene(gravity, floor)), "", "{gravity} {floor}");
+    }
+}
+
+/// A box of 0.3 m with this point on it, and another body.
+fn with_a_marker(marker: &str) -> String {
+    format!(
+        "[[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0.15, 0, 0]\ninertia = [0.1, 0.1, 0.1]\nmarkers = {{ tip = {marker} }}\n\
+         shape = {{ box = [0.3, 0.1, 0.1], at = [0.15, 0, 0] }}\nhinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\n"
+    )
+}
+
+#[test]
+fn millimetres_in_markers_and_shapes_are_told() {
+    told_once(&with_a_marker("[300, 0, 0]"), &["300 m is", "write \"300 mm\"", "scene.toml:6:"]);
+    let size = with_a_marker("[0.3, 0, 0]").replace("box = [0.3,", "box = [300,");
+    told_once(&size, &["300 m is", "300 mm are 0.3"]);
+    assert_eq!(warnings(&with_a_marker("[0.3, 0, 0]")), "");
+    assert_eq!(warnings(&with_a_marker("[\"300 mm\", 0, 0]")), "");
+    // Two lengths are enough if one of them is of a body.
+    let two = "[[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0.15, 0, 0]\ninertia = [0.1, 0.1, 0.1]\nmarkers = { tip = [300, 0, 0] }\n\
+               hinge = { type = \"revolute\", axis = [0, 1, 0] }\n";
+    told_once(two, &["300 m is 2000 times the other length"]);
+}
+
+/// A weight on a vertical slide with a spring to the ground.
+fn hung(mass: f64, stiffness: &str, length: &str) -> String {
+    format!(
+        "[[body]]\nname = \"a\"\nmass = {mass}\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], position = 0.3 }}\n\
+         [[force]]\ntype = \"spring\"\nbetween = [\"ground\", \"a\"]\nstiffness = {stiffness}\nlength = {length}\n"
+    )
+}
+
+#[test]
+fn springs_between_points_are_judged_as_those_of_slides() {
+    told_once(
+        &hung(10.0, "1e4", "300"),
+        &["`length`: the spring has at least", "times the weight", "write \"300 mm\""],
+    );
+    told_once(&hung(10.0, "5", "0.3"), &["`stiffness`: 5 N/m let `a` sink by 19.6133 m", "write \"5 N/mm\""]);
+    assert_eq!(warnings(&hung(10.0, "1e4", "0.3")), "");
+    assert_eq!(warnings(&hung(10.0, "\"5 N/m\"", "0.3")), "");
+    // A second spring may carry it.
+    let second = "[[force]]\ntype = \"spring\"\nbetween = [\"ground\", \"a\"]\nstiffness = 1e4\nlength = 0.3\n";
+    assert_eq!(warnings(&(hung(10.0, "5", "0.3") + second)), "");
+}
+
+#[test]
+fn a_soft_slide_is_told_in_a_scene_without_lengths_too() {
+    let slide = |stiffness: f64| {
+        format!(
+            "[[body]]\nname = \"a\"\nmass = 10.0\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], stiffness = {stiffness} }}\n"
+        )
+    };
+    told_once(&slide(5.0), &["5 N/m let `a` sink by 19.6133 m", "5 N/mm are 5000"]);
+    assert_eq!(warnings(&slide(100.0)), "");
+    // Lying slides, and what statics finds, bear nothing.
+    assert_eq!(warnings(&slide(5.0).replace("[0, 0, 1]", "[1, 0, 0]")), "");
+    assert_eq!(warnings(&slide(5.0).replace("stiffness", "rpy = [0, 1.5707963, 0], stiffness")), "");
+}
+
+/// Scenes in which large and small are both meant.
+#[test]
+fn ordinary_scenes_of_many_sizes_are_not_suspected() {
+    let inertia = "mass = 1.0\ninertia = [1.0, 1.0, 1.0]\n";
+    let valve = "[[body]]\nname = \"valve\"\nmass = 0.05\n\
+                 hinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 3e4, rest = 0.04, limits = [0.0, 0.01] }\n";
+    let dropped = format!(
+        "[[body]]\nname = \"ball\"\n{inertia}shape = {{ sphere = 0.1 }}\nmarkers = {{ top = [0, 0, 0.1] }}\n\
+         hinge = {{ type = \"free\", position = [0, 0, 100, 1, 0, 0, 0] }}\n"
+    );
+    let boom = format!(
+        "[[body]]\nname = \"boom\"\n{inertia}center = [20, 0, 0]\nmarkers = {{ tip = [40, 0, 0] }}\nshape = {{ box = [40, 1, 1], at = [20, 0, 0] }}\n\
+         hinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\n\
+         [[body]]\nname = \"hook\"\n{inertia}center = [0, 0, -0.2]\nshape = [{{ sphere = 0.1 }}, {{ box = [0.2, 0.1, 0.1] }}, {{ sphere = 0.15 }}]\n\
+         hinge = {{ type = \"revolute\", parent = \"boom\", at = \"tip\", axis = [0, 1, 0] }}\n"
+    );
+    let floor = "[[body]]\nname = \"floor\"\nshape = { box = [200, 200, 1] }\nhinge = { type = \"fixed\" }\n"
+        .to_owned()
+        + &dropped;
+    let jumper = "[[body]]\nname = \"jumper\"\nmass = 80.0\nshape = { sphere = 0.1 }\ninertia = [1, 1, 1]\nhinge = { type = \"free\" }\n\
+                  [[force]]\ntype = \"spring\"\nbetween = [\"ground\", \"jumper\"]\nstiffness = 100.0\nlength = 25.0\n";
+    for scene in [valve, &dropped, &boom, &floor, jumper] {
+        assert_eq!(warnings(scene), "", "{scene}");
+    }
+}
+
 /// A stage whose time lies behind the end of the run is told where it is written, and one at its end is not.
 #[test]
 fn a_stage_after_the_end_is_told() {
@@ -180,6 +324,7 @@ fn shipped_scenes_are_not_suspected() {
             "gravity points",
             "that of the earth",
             "times the median",
+            "times the other length",
             "times the weight",
             "own weight",
             "after the end of the run",

@@ -141,14 +141,8 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     events.sort_by(|a, b| a.time.total_cmp(&b.time));
     for (line, event) in events.into_iter().enumerate() {
         let head = if line == 0 { "events" } else { "" };
-        let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
-        let what = match event.kind {
-            _ if event.between.is_some() => event.to_string(),
-            Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
-            Kind::Stage => event.to_string() + &told(summary, name),
-            _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
-        };
-        let _ = writeln!(out, "  {head:<12} {time} s: {what}");
+        let told = if event.kind == Kind::Stage { told(summary, &event.name) } else { String::new() };
+        let _ = writeln!(out, "  {head:<12} {} s: {}{told}", number(event.time), event.in_words(number));
     }
     more(&mut out, others.len());
     out += &pending(summary);

@@ -31,7 +31,7 @@ pub enum StepError {
         expected: usize,
     },
     /// The system cannot be evaluated at the start.
-    #[error("cannot start at t = {time} s: {limit}")]
+    #[error("cannot start at t = {} s: {limit}", short(*.time))]
     Start {
         /// Start time in s.
         time: f64,
@@ -39,7 +39,7 @@ pub enum StepError {
         limit: Limit,
     },
     /// A step that must not shrink failed.
-    #[error("the fixed step of {step} s from t = {time} s fails: {limit}; {advice}")]
+    #[error("the fixed step of {} s from t = {} s fails: {limit}; {advice}", short(*.step), short(*.time))]
     Fixed {
         /// Where the step starts, in s.
         time: f64,
@@ -51,7 +51,7 @@ pub enum StepError {
         advice: &'static str,
     },
     /// The state between the ends of a step that was made cannot be found.
-    #[error("no state between t = {from} s and t = {to} s: {limit}")]
+    #[error("no state between t = {} s and t = {} s: {limit}", short(*.from), short(*.to))]
     Between {
         /// Where the step starts, in s.
         from: f64,
@@ -61,7 +61,7 @@ pub enum StepError {
         limit: Limit,
     },
     /// The step became so small that time stands still.
-    #[error("the step from t = {time} s shrank to {step:.3e} s, too small to go on: {limit}")]
+    #[error("the step from t = {} s shrank to {} s, too small to go on: {limit}", short(*.time), short(*.step))]
     Underflow {
         /// Where the step starts, in s.
         time: f64,
@@ -87,6 +87,13 @@ impl StepError {
             Self::Option { .. } | Self::NoStep | Self::Size { .. } => None,
         }
     }
+}
+
+/// Six significant digits, with an exponent if there are many zeros.
+fn short(x: f64) -> String {
+    let rounded = format!("{x:.5e}").parse().unwrap_or(x);
+    let shown = format!("{rounded:?}");
+    shown.strip_suffix(".0").map_or_else(|| shown.clone(), str::to_owned)
 }
 
 /// What stands in the way of a step.

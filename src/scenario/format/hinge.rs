@@ -163,7 +163,7 @@ const CURVES: Kind = Kind::Either(&[Kind::Table(&HINGE_CURVE), Kind::List(&Kind:
 
 /// The curve of a hinge of type `along`.
 pub(super) const GUIDE_CURVE: Table = Table {
-    name: "guide",
+    name: "curve",
     doc: "A curve that a body is guided along: exactly one of `straight`, `points`, `helix` and `parameter`. The coordinate is its \
           arc length, from its beginning, or from parameter 0 where its range has that. A run or an equilibrium beyond its ends is an error.",
     types: &[],

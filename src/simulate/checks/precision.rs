@@ -11,6 +11,7 @@
 
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::simulate::error::{RunError, named};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
@@ -77,7 +78,7 @@ impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Tolerance(tolerance) => write!(f, "tolerance = {tolerance:.0e}"),
-            Self::Step(step) => write!(f, "step = {step:.3e}"),
+            Self::Step(step) => write!(f, "step = {}", number(*step)),
         }
     }
 }

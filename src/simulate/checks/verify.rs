@@ -10,6 +10,7 @@
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.
 
 use crate::integrate::Method;
+use crate::model::problem::number;
 use crate::model::{Model, Stop};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
 use crate::simulate::asked::Asked;
@@ -144,10 +145,11 @@ pub fn verify(
 
 fn gives_up(method: Method, tolerance: f64, steps: u64, time: f64) -> String {
     format!(
-        "the second run, by {} at a tolerance of {tolerance:.0e}, took {steps} steps to t = {time:.3e} s and would need \
+        "the second run, by {} at a tolerance of {tolerance:.0e}, took {steps} steps to t = {} s and would need \
          {MOST_STEPS} times those of the first: it follows vibrations that the first one passed over; verify at a looser \
          tolerance, or damp what vibrates",
-        method.name()
+        method.name(),
+        number(time)
     )
 }
 

@@ -1,5 +1,6 @@
 //! What happens in a run, as it is told.
 
+use crate::model::problem::number;
 use std::fmt;
 
 /// What happened.
@@ -77,24 +78,32 @@ pub struct Occurrence {
     pub between: Option<[String; 2]>,
 }
 
-impl fmt::Display for Occurrence {
-    /// Without the time.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, name, value, speed, between, .. } = self;
+impl Occurrence {
+    /// What happened, without the time; `shown` writes its numbers.
+    pub fn in_words(&self, shown: impl Fn(f64) -> String) -> String {
+        let Self { kind, name, speed, between, .. } = self;
         if let Some([one, other]) = between {
             return match kind {
-                Kind::Strikes => write!(f, "`{other}` strikes `{one}` at {speed:.4} m/s"),
-                Kind::Lifts => write!(f, "`{other}` lifts off `{one}`"),
-                _ => write!(f, "`{other}` {} on `{one}`", kind.name()),
+                Kind::Strikes => format!("`{other}` strikes `{one}` at {} m/s", shown(*speed)),
+                Kind::Lifts => format!("`{other}` lifts off `{one}`"),
+                _ => format!("`{other}` {} on `{one}`", kind.name()),
             };
         }
+        let value = shown(self.value);
         match kind {
-            Kind::Stage if *value == 0.0 => write!(f, "stage `{name}`"),
-            Kind::Stage if *value < 0.0 => write!(f, "stage `{name}`, which puts in {:.6} J", -value),
-            Kind::Stage => write!(f, "stage `{name}`, which takes out {value:.6} J"),
-            Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
-            Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),
-            _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
+            Kind::Stage if self.value == 0.0 => format!("stage `{name}`"),
+            Kind::Stage if self.value < 0.0 => format!("stage `{name}`, which puts in {} J", shown(-self.value)),
+            Kind::Stage => format!("stage `{name}`, which takes out {value} J"),
+            Kind::Switch => format!("`{name}` takes over after a step of {value} s"),
+            Kind::Slip | Kind::Stick => format!("`{name}` {} at {value}", kind.name()),
+            _ => format!("{} of `{name}` at {value}, speed {}", kind.name(), shown(*speed)),
         }
+    }
+}
+
+impl fmt::Display for Occurrence {
+    /// Without the time; numbers as in messages.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_words(number))
     }
 }

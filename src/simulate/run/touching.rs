@@ -2,6 +2,7 @@
 
 use super::Run;
 use crate::integrate::{Method, Statistics, Stepper};
+use crate::model::problem::{number, significant};
 use crate::simulate::contact::{Contacts, MISSED, Trouble};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
@@ -126,7 +127,7 @@ impl Run<'_, '_> {
         match contacts.sunk(system) {
             None => Ok(()),
             Some((between, depth)) => {
-                let why = format!("captured steps let them sink by {:.2} % of their size", 100.0 * depth);
+                let why = format!("captured steps let them sink by {} % of their size", significant(100.0 * depth, 3));
                 Err(RunError::Touch { time, between, why })
             }
         }
@@ -141,7 +142,7 @@ impl Run<'_, '_> {
             return Ok(());
         }
         let name = self.model.contacts[0].name.clone();
-        let why = format!("at t = {time} s compliant contact cannot go on by events ({})", why());
+        let why = format!("at t = {} s compliant contact cannot go on by events ({})", number(time), why());
         Err(RunError::Contact { name, why })
     }
 

@@ -2,6 +2,7 @@
 
 use super::Run;
 use crate::integrate::Method;
+use crate::model::problem::number;
 use crate::model::{CurveEnd, StopSide};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Transition};
@@ -40,7 +41,7 @@ impl Run<'_, '_> {
             return Err(self.leaves(time, &self.model.curve_ends[end]));
         }
         if let Some(rule) = self.model.contacts.first().filter(|_| self.rests) {
-            let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
+            let why = format!("at t = {} s a stop or dry friction lets go of what rests", number(time));
             return Err(RunError::Contact { name: rule.name.clone(), why });
         }
         let touches = |side: StopSide| {

@@ -11,6 +11,8 @@ use crate::model::description::Description;
 use crate::model::structure::Structure;
 use crate::record::scene::{Channel, Scene};
 use crate::record::{ContactPush, Event, Outcome, RecordError, Recorder, Sample};
+use crate::simulate::samples::couplings::channels;
+use crate::simulate::samples::scene::extent;
 use crate::spatial::Pose;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -90,6 +92,8 @@ pub(crate) fn scene(whole: &Description, first: &Arc<Model>) -> Scene {
     scene.positions = channels(&scene.positions, HingeKind::Free.positions(), |segment| segment.position.clone());
     scene.velocities = channels(&scene.velocities, HingeKind::Free.velocities(), |segment| segment.velocity.clone());
     scene.watched = true;
+    // Of the structure that the run begins with.
+    scene.extent = Some(extent(first));
     scene
 }
 
@@ -108,7 +112,7 @@ impl Layout {
         Self {
             order: in_order(&full),
             freed: (0..full.bodies.len()).map(|body| ever.contains(&body)).collect(),
-            couplings: of_structure(&full).couplings,
+            couplings: channels(&full),
         }
     }
 }
@@ -128,7 +132,7 @@ pub(super) struct Relay<'a> {
 
 impl<'a> Relay<'a> {
     pub(super) fn new(layout: &'a Layout, model: &Arc<Model>, to: &'a mut dyn Recorder) -> Self {
-        let mine = of_structure(model).couplings;
+        let mine = channels(model);
         let place = |channel: &Channel| mine.iter().position(|one| one == channel);
         Self {
             layout,

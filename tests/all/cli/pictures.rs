@@ -389,6 +389,6 @@ fn watching_tells_what_a_change_does() {
     let out = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{output:?}");
     // m g / k and √(k / m) / 2π, g = 9.80665 m/s².
-    assert!(out.contains("pan.distance         -0.09807 → -0.1961 (-9.807e-2)"), "{out}");
+    assert!(out.contains("pan.distance         -0.09807 → -0.1961 (-0.09807)"), "{out}");
     assert!(out.contains("mode 1               1.592 → 1.125 Hz (-29.29 %)"), "{out}");
 }

@@ -247,6 +247,41 @@ fn a_column_that_is_not_there_names_those_of_its_body() {
     assert!(bench.call(&["plot", "rope.mcap", "rope.zzz"]).code(2).err.contains("rope.second_rate"));
 }
 
+/// A body that is there is meant, and not one with a name like it.
+#[test]
+fn a_column_that_is_not_there_is_looked_for_in_its_body_first() {
+    let bench = Bench::new();
+    let scene = "[[body]]\nname = \"lamp\"\nmass = 1.0\nhinge = { type = \"universal\", axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }\ncenter = [0.0, 0.0, -1.0]\ninertia = [0.1, 0.1, 0.1]\n\
+                 [[body]]\nname = \"clamp\"\nmass = 1.0\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\ncenter = [0, 0, -1]\ninertia = [0.1, 0.1, 0.1]\n";
+    bench.write("lamp.toml", scene);
+    bench.call(&["run", "lamp.toml", "--set", "simulate.duration=0.1"]).code(0);
+    let asked = |name: &str| bench.call(&["plot", "lamp.mcap", name]).code(2).err;
+    assert!(asked("lamp.angle").contains("did you mean `lamp.first_angle`"), "{}", asked("lamp.angle"));
+    assert!(asked("clmp.angle").contains("did you mean `clamp.angle`"), "{}", asked("clmp.angle"));
+}
+
+#[test]
+fn a_sweep_makes_no_folder_of_a_name_that_looks_like_a_file() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let sweep =
+        |out: &str| bench.call(&["sweep", "scale.toml", "--over", "pan.stiffness=1e3:2e3:3", "--out", out]).code(2).err;
+    assert!(sweep("-").contains("without `--out` the rows are printed"), "{}", sweep("-"));
+    assert!(sweep("p.xlsx").contains("no .xlsx is written: name a file that ends in .csv"), "{}", sweep("p.xlsx"));
+    assert_eq!(bench.names(), ["scale.toml"]);
+}
+
+/// Numbers of stages, as all others: as many digits as are asked for.
+#[test]
+fn what_a_stage_takes_out_has_the_digits_that_are_asked_for() {
+    let bench = Bench::new();
+    let docking = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/stages/docking.toml"));
+    bench.write("docking.toml", docking.expect("a shipped scene"));
+    let told = |digits: &str| bench.call(&["run", "docking.toml", "--digits", digits]).code(0).out;
+    assert!(told("4").contains("takes out 67.5 J"), "{}", told("4"));
+    assert!(told("2").contains("takes out 68 J"), "{}", told("2"));
+}
+
 #[test]
 fn colours_have_names() {
     let bench = Bench::new();

@@ -60,7 +60,7 @@ fn an_adaptive_explicit_step_held_by_stability_to_the_end() {
     let mut problem = Scalar::oscillator(0.0, 1e17, |_| 0.0);
     let error = failure(Method::Dopri5, &mut problem, &adaptive(1e-6));
     assert_eq!(error.limit(), Some(&Limit::Stability));
-    insta::assert_snapshot!(error, @"the step from t = 0 s shrank to 1.776e-16 s, too small to go on: the step is held by stability, not accuracy (the system is stiff): try sdirk4");
+    insta::assert_snapshot!(error, @"the step from t = 0 s shrank to 1.77636e-16 s, too small to go on: the step is held by stability, not accuracy (the system is stiff): try sdirk4");
 }
 
 #[test]

@@ -18,6 +18,9 @@ fn said(stages: &str) -> String {
 #[test]
 fn stages_that_cannot_be_are_told_with_their_line() {
     let stage = |rest: &str| format!("[[stage]]\nname = \"s\"\n{rest}\n");
+    let named = |name: &str, when: &str, verb: &str| {
+        format!("[[stage]]\nname = \"{name}\"\nwhen = {when}\n{verb} = [\"arm\"]\n")
+    };
     let cases = [
         (stage("when = { time = 0.5 }\nopen = [\"amr\"]"), "did you mean `arm`?", "| open = [\"amr\"]"),
         (stage("when = { time = -0.5 }\nopen = [\"arm\"]"), "time", "| when"),
@@ -39,6 +42,16 @@ fn stages_that_cannot_be_are_told_with_their_line() {
             "two stages are called `s`",
             "| name",
         ),
+        (
+            named("a", "{ time = 0.3 }", "lock") + &named("b", "{ time = 0.1 }", "release"),
+            "stage `b`: `arm` is not locked at t = 0.1 s",
+            "| release",
+        ),
+        (
+            named("a", "{ time = 0.3 }", "lock") + &named("b", "{ time = 0.3 }", "release"),
+            "in `lock` at the same instant, t = 0.3 s",
+            "| release",
+        ),
         // A point mass that would turn about itself.
         (
             "[[body]]\nname = \"dot\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1] }\n".to_owned()
@@ -56,6 +69,26 @@ fn stages_that_cannot_be_are_told_with_their_line() {
     for (stages, words, place) in cases {
         let text = said(&stages);
         assert!(text.contains(words) && text.contains(place), "{words} at {place}:\n{text}");
+    }
+}
+
+/// Stages come at their times, in whatever order the file has them.
+#[test]
+fn stages_that_agree_in_time_are_fine() {
+    let stage = |name: &str, when: &str, verb: &str| {
+        format!("[[stage]]\nname = \"{name}\"\nwhen = {{ {when} }}\n{verb} = [\"arm\"]\n")
+    };
+    let fine = [
+        stage("a", "time = 0.1", "release") + &stage("b", "time = 0.3", "lock"),
+        stage("a", "time = 0.3", "lock") + &stage("b", "time = 0.5", "release"),
+        // When an event comes is known in a run alone.
+        "[[event]]\nname = \"low\"\nhinge = \"arm\"\nvalue = 0.1\n".to_owned()
+            + &stage("a", "event = \"low\"", "lock")
+            + &stage("b", "time = 0.1", "release"),
+    ];
+    for stages in fine {
+        let found = parse("scene.toml", &format!("{ARM}{stages}"), &[]);
+        found.unwrap_or_else(|problem| panic!("{}", problem.render(false)));
     }
 }
 

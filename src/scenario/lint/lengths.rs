@@ -1,0 +1,199 @@
+//! A length in millimetres among metres.
+
+use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, limits, tables, text, units};
+use crate::hinge::HingeKind;
+use crate::model::description::GROUND;
+use crate::model::problem::number;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A length is out of line if it is so many times the median of all...
+const APART: f64 = 200.0;
+/// ... and in line, within this factor, if it is taken as millimetres...
+const ALIKE: f64 = 5.0;
+/// ... unless lengths lead up to it, none so many times the one before: a long row of bodies is no slip.
+const GAP: f64 = 10.0;
+/// Among this many lengths one that no other of its body bears out is out of line a bit earlier...
+const MANY: usize = 4;
+/// ... at so many times the median...
+const EARLY: f64 = 100.0;
+/// ... and in line within this factor.
+const NEAR: f64 = 10.0;
+
+/// What a length is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    /// Where a hinge is on the ground.
+    Place,
+    /// Where a hinge is on a body, and its centre of mass.
+    Chain,
+    /// Another point of a body, or its size.
+    Own,
+    /// How far something goes or reaches: it may be far in any scene.
+    Travel,
+}
+
+/// A length or a point.
+#[derive(Debug)]
+pub(super) struct Length<'a> {
+    numbers: Vec<Written>,
+    /// The largest of its numbers in size (m).
+    extent: f64,
+    /// How many bodies have it.
+    copies: f64,
+    /// The body that it is of; empty of none.
+    owner: &'a str,
+    role: Role,
+}
+
+/// All lengths of a scene but zeros.
+pub(super) fn all<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
+    let mut found = Found { scene, lengths: Vec::new(), copies: 1.0 };
+    for body in scene.tables("body") {
+        found.of_body(body);
+    }
+    for beam in scene.tables("beam") {
+        found.hinge(beam, "");
+        found.add(beam.get("length"), "", Role::Travel);
+    }
+    found.copies = 1.0;
+    for cable in scene.tables("cable") {
+        found.add(cable.get("length"), "", Role::Travel);
+    }
+    for list in ["force", "loop"] {
+        for table in scene.tables(list) {
+            for point in ["between", "through", "on"].into_iter().flat_map(|key| tables(table.get(key))) {
+                let owner = text(point, "body").unwrap_or(GROUND);
+                found.add(point.get("at"), owner, if owner == GROUND { Role::Travel } else { Role::Own });
+            }
+            found.add(table.get("length"), "", Role::Travel);
+        }
+    }
+    found.lengths
+}
+
+/// The longest length of a scene but that of one number (m); 0 without any.
+pub(super) fn longest(lengths: &[Length<'_>], but: Option<&Written>) -> f64 {
+    let others = lengths.iter().filter(|length| but.is_none_or(|but| !length.numbers.contains(but)));
+    others.fold(0.0, |longest, length| longest.max(length.extent))
+}
+
+/// No two points of a tree are further from each other than this (m): both are reached from the ground through lengths, each at most once.
+pub(super) fn reach(lengths: &[Length<'_>], but: &Written) -> f64 {
+    let others = lengths.iter().filter(|length| !length.numbers.contains(but));
+    2.0 * others.map(|length| 3.0_f64.sqrt() * length.extent * length.copies).sum::<f64>()
+}
+
+/// Lengths as they are found.
+struct Found<'f, 'a> {
+    scene: &'f Scene<'a>,
+    lengths: Vec<Length<'a>>,
+    copies: f64,
+}
+
+impl<'a> Found<'_, 'a> {
+    fn add(&mut self, place: Option<&Spanned<DeValue<'_>>>, owner: &'a str, role: Role) {
+        let numbers = place.map_or_else(Vec::new, |place| self.scene.numbers(place));
+        let extent = numbers.iter().fold(0.0, |extent: f64, written| extent.max(written.value.abs()));
+        if extent > 0.0 {
+            self.lengths.push(Length { numbers, extent, copies: self.copies, owner, role });
+        }
+    }
+
+    fn of_body(&mut self, body: &'a DeTable<'a>) {
+        let name = text(body, "name").unwrap_or_default();
+        self.copies = self.scene.number(body, "repeat").map_or(1.0, |copies| copies.value.max(1.0));
+        self.hinge(body, name);
+        let is_ground = |kind: &HingeKind| *kind == HingeKind::Fixed && parent(body) == GROUND;
+        // What stands still may be as large as it likes.
+        if hinge_of(body).as_ref().map_or_else(|| !body.contains_key("hinge"), is_ground) {
+            return;
+        }
+        self.add(body.get("center"), name, Role::Chain);
+        self.add(body.get("next"), name, Role::Chain);
+        self.add(exactly(body, "hinge.next"), name, Role::Chain);
+        let markers = body.get("markers").and_then(|markers| markers.get_ref().as_table());
+        for (_, place) in markers.into_iter().flat_map(|markers| markers.iter()) {
+            self.add(Some(place), name, Role::Own);
+        }
+        for shape in tables(body.get("shape")) {
+            self.add(shape.get("at"), name, Role::Own);
+            for key in ["box", "sphere", "cylinder", "capsule"] {
+                self.add(shape.get(key), name, Role::Own);
+                self.add(exactly(shape, &format!("{key}.length")), name, Role::Own);
+            }
+        }
+    }
+
+    /// Where a hinge is, and how far it slides.
+    fn hinge(&mut self, body: &'a DeTable<'a>, name: &'a str) {
+        let (at, parent) = (exactly(body, "hinge.at"), parent(body));
+        self.add(at, parent, if parent == GROUND { Role::Place } else { Role::Chain });
+        let units = hinge_of(body).map(|kind| units(&kind)).unwrap_or_default();
+        for key in ["position", "rest", "limits"] {
+            let Some(place) = exactly(body, &format!("hinge.{key}")) else { continue };
+            let found = if key == "limits" { limits(place) } else { by_coordinate(place, units.len()) };
+            for (_, place) in found.into_iter().filter(|(coordinate, _)| units.get(*coordinate) == Some(&"m")) {
+                self.add(Some(place), name, Role::Travel);
+            }
+        }
+    }
+}
+
+fn parent<'a>(body: &'a DeTable<'a>) -> &'a str {
+    text(body, "hinge.parent").unwrap_or(GROUND)
+}
+
+/// Warns of lengths that are out of line.
+pub(super) fn check(scene: &Scene<'_>, lengths: &[Length<'_>]) {
+    let of = |roles: &[Role]| lengths.iter().filter(|length| roles.contains(&length.role)).collect::<Vec<_>>();
+    // Places on the ground are beside each other and not beside what is small: a curtain of beads hangs from somewhere.
+    let chain = of(&[Role::Place, Role::Chain]);
+    if chain.len() > 2 {
+        check_among(scene, &chain, |_, times| is_between(times, APART, ALIKE));
+    }
+    let all = of(&[Role::Place, Role::Chain, Role::Own]);
+    check_among(scene, &all, |length, times| {
+        let early = all.len() >= MANY && is_between(times, EARLY, NEAR);
+        length.role != Role::Place && (early || is_between(times, APART, ALIKE)) && !is_borne_out(length, &all)
+    });
+}
+
+/// Whether so many times the median is much, and in line if it is taken as millimetres.
+fn is_between(times: f64, apart: f64, alike: f64) -> bool {
+    times >= apart && (1.0 / alike..=alike).contains(&(times / 1000.0))
+}
+
+/// Whether another length of its body is alike: a large body has several that are large.
+fn is_borne_out(length: &Length<'_>, all: &[&Length<'_>]) -> bool {
+    let alike = |other: &Length<'_>| (1.0 / NEAR..=NEAR).contains(&(other.extent / length.extent));
+    all.iter().any(|other| !std::ptr::eq(*other, length) && other.owner == length.owner && alike(other))
+}
+
+/// Warns of the numbers of `judged` lengths that lie behind a gap and are `out` of line at so many times the median.
+fn check_among(scene: &Scene<'_>, judged: &[&Length<'_>], out: impl Fn(&Length<'_>, f64) -> bool) {
+    let mut sizes: Vec<f64> = judged.iter().map(|length| length.extent).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let middle = match sizes.len() {
+        0 | 1 => return,
+        2 => 0,
+        count => count / 2,
+    };
+    let above = &sizes[middle..];
+    let median = above[0];
+    let Some(gap) = above.windows(2).find(|pair| pair[1] > GAP * pair[0]) else { return };
+    for length in judged {
+        for written in length.numbers.iter().filter(|written| written.value.abs() >= gap[1]) {
+            let times = written.value.abs() / median;
+            if out(length, times) {
+                let of = if sizes.len() == 2 {
+                    "the other length of the scene"
+                } else {
+                    "the median of the scene's lengths"
+                };
+                let message = format!("{} m is {times:.0} times {of}, {} m", written.value, number(median));
+                scene.warn(written, message, in_millimetres(written.value));
+            }
+        }
+    }
+}
