@@ -29,7 +29,7 @@ const LONGEST: f64 = 0.02;
 const FIRST: f64 = 2e-3;
 const SHORTEST: f64 = 1e-5;
 /// Positions of a step and of its halves differ by no more than the root of a run's tolerance, within these bounds (parts of the
-/// scene's length): half the digits, as the order is one.
+/// largest shape that may touch): half the digits, as the order is one.
 const COARSE: [f64; 2] = [1e-5, 2e-2];
 /// A gap below this part of a shape's size is none for the events that take over.
 const CLOSES: f64 = 1e-4;

@@ -42,8 +42,8 @@ struct Tableau {
     /// The last row, all orders.
     row: Vec<Vec<f64>>,
     best: Derivative,
-    /// Whether the last distance has halved the error, component by component.
-    is_better: Vec<bool>,
+    /// Whether the last distance has halved the error of a component.
+    is_better: bool,
     /// (3) at the first distance, and the least of it at all.
     bends: Option<[Vec<f64>; 2]>,
 }
@@ -51,7 +51,7 @@ struct Tableau {
 impl Tableau {
     fn new(ratio: f64, count: usize) -> Self {
         let best = Derivative { value: vec![0.0; count], error: vec![f64::INFINITY; count], kinks: vec![false; count] };
-        Self { ratio, row: Vec::new(), best, is_better: vec![true; count], bends: None }
+        Self { ratio, row: Vec::new(), best, is_better: true, bends: None }
     }
 
     /// Takes the difference at the next distance.
@@ -72,7 +72,7 @@ impl Tableau {
             row.push(next);
         }
         self.row = row;
-        self.is_better = before.iter().zip(&self.best.error).map(|(before, now)| *now < 0.5 * before).collect();
+        self.is_better = before.iter().zip(&self.best.error).any(|(before, now)| *now < 0.5 * before);
     }
 
     /// Takes (3) at the next distance: of kinks it does not fall. `sizes` of derivatives.
@@ -92,8 +92,8 @@ impl Tableau {
     /// Whether no distance is better; `floors` are errors that round-off makes over the largest.
     fn is_fine(&self, sizes: &[f64], floors: &[f64]) -> bool {
         let size = |i: usize| sizes[i].max(self.best.value[i].abs());
-        let part = |i: usize| if self.is_better[i] { FINE } else { SETTLED };
-        (0..sizes.len()).all(|i| self.best.error[i] <= (part(i) * size(i)).max(floors[i]))
+        let part = if self.is_better { FINE } else { SETTLED };
+        (0..sizes.len()).all(|i| self.best.error[i] <= (part * size(i)).max(floors[i]))
     }
 }
 
