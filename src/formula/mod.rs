@@ -15,8 +15,9 @@
 //! (2)  f(g)'' = f''(g) g'² + f'(g) g''
 //! ```
 //!
-//! At a kink (`abs`, `min`, `max`, `if`, `floor`, …) they are those of the branch that is taken. A kink is no event: a
-//! run does not look for it.
+//! At a kink (`abs`, `min`, `max`, `if`, `floor`, …) they are those of the branch that is taken. Kinks at a time are known before
+//! a run, and so is what a formula of time does for a short time only ([`Formula::instants`]): steps end there. A kink at a place or
+//! a speed is no event: a run does not look for it.
 //!
 //! Arithmetic is that of IEEE 754: what has no value is not a number, what is too large is infinite. Whoever evaluates a
 //! formula has to check its result.
@@ -35,9 +36,11 @@
 
 mod error;
 mod function;
+mod instants;
 mod measure;
 mod number;
 mod parse;
+mod range;
 mod series;
 mod token;
 mod vocabulary;

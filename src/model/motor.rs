@@ -8,6 +8,7 @@ use super::description::Description;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem};
 use crate::formula::Formula;
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// A force (N) or torque (N m) in a hinge coordinate, as a user describes it.
@@ -186,12 +187,13 @@ impl Motor {
         }
     }
 
-    /// The times at which its law begins to follow another rule (s).
-    pub fn breaks(&self) -> &[f64] {
+    /// The times at which its law begins to follow another rule (s), of a formula those within a run ([`Formula::instants`]).
+    pub fn breaks(&self, run: [f64; 2]) -> Cow<'_, [f64]> {
         match &self.law {
-            MotorLaw::Table { over: Over::Time, at, .. } => at,
-            MotorLaw::Pd { target, .. } => target.breaks(),
-            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } | MotorLaw::Formula(_) => &[],
+            MotorLaw::Table { over: Over::Time, at, .. } => Cow::Borrowed(at),
+            MotorLaw::Pd { target, .. } => target.breaks(run),
+            MotorLaw::Formula(formula) => Cow::Owned(formula.instants(TIME, run)),
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } => Cow::Borrowed(&[]),
         }
     }
 

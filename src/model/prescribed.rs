@@ -2,6 +2,7 @@
 
 use super::couplings::MotionDescription;
 use crate::formula::{Formula, Jet};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// A motion, compiled.
@@ -39,6 +40,9 @@ pub enum Prescribed {
     /// A formula in [`VARIABLES`].
     Formula(Box<Formula>),
 }
+
+/// A velocity that changes by no more than this part at once goes on: round-off of its formula.
+const JUMP: f64 = 1e-12;
 
 /// What a formula of a motion may use: the time (s).
 pub const VARIABLES: [&str; 1] = ["t"];
@@ -134,13 +138,24 @@ impl Prescribed {
         matches!(self, Self::Line { .. })
     }
 
-    /// The times at which it begins to follow another rule (s): ends of a ramp, points of a table.
-    pub fn breaks(&self) -> &[f64] {
+    /// The times at which it begins to follow another rule (s): ends of a ramp, points of a table, of a formula those within a run
+    /// ([`Formula::instants_of_motion`]).
+    pub fn breaks(&self, run: [f64; 2]) -> Cow<'_, [f64]> {
         match self {
-            Self::Ramp { ends, .. } => ends,
-            Self::Spline(spline) => &spline.times,
-            Self::Line { .. } | Self::Sine { .. } | Self::Formula(_) => &[],
+            Self::Ramp { ends, .. } => Cow::Borrowed(ends),
+            Self::Spline(spline) => Cow::Borrowed(&spline.times),
+            Self::Formula(formula) => Cow::Owned(formula.instants_of_motion(run)),
+            Self::Line { .. } | Self::Sine { .. } => Cow::Borrowed(&[]),
         }
+    }
+
+    /// Whether its velocity is another one just before a time and at it, between which `before` and `at` lie (s): no ramp and no table
+    /// jumps.
+    pub fn jumps(&self, before: f64, at: f64) -> bool {
+        let Self::Formula(_) = self else { return false };
+        let [old, new] = [before, at].map(|time| self.at(time));
+        let drift = (at - before) * (old.acceleration.abs() + new.acceleration.abs());
+        (new.velocity - old.velocity).abs() > JUMP * (old.velocity.abs() + new.velocity.abs()) + drift
     }
 
     /// What no step should be longer than (s), where steps could miss what it does: a quarter of a sine, a hundredth of a
@@ -288,6 +303,23 @@ mod tests {
             assert!((spline.at(*time).position - value).abs() < 1e-15);
         }
         assert!(spline.at(0.0).velocity.abs() < 1e-15 && spline.at(2.0).velocity.abs() < 1e-14);
+    }
+
+    /// Formulas have their breaks within a run; their velocities jump at kinks, and nowhere else.
+    #[test]
+    fn formulas_break_where_their_velocity_jumps() {
+        let motion =
+            |text: &str| Prescribed::compile(&MotionDescription::Expression { text: text.to_owned() }, 0.0).unwrap();
+        let kink = motion("min(t, 1)");
+        let at = 1.0_f64.next_up();
+        assert_eq!(*kink.breaks([0.0, 2.0]), [at]);
+        assert!(kink.jumps(at.next_down(), at) && !kink.jumps(0.5, 0.5_f64.next_up()));
+        let smooth = motion("max(0, t-1)^2 + sin(3*t)");
+        assert_eq!(*smooth.breaks([0.0, 2.0]), [at]);
+        assert!(!smooth.jumps(1.0, at));
+        for motion in motions() {
+            assert!(motion.breaks([0.0, 5.0]).iter().all(|at| !motion.jumps(at.next_down(), *at)), "{motion:?}");
+        }
     }
 
     #[test]

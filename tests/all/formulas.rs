@@ -2,6 +2,7 @@
 
 mod generator;
 mod messages;
+mod pulses;
 
 use crate::common::Random;
 use generator::{Style, Tree};

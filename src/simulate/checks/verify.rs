@@ -5,6 +5,9 @@
 //! as the second is much the better one. On a chaotic scene they differ by as much as the motion itself: then no method
 //! can say where it ends.
 //!
+//! **Longest steps** where steps could miss what a formula or a sine does are others: the ends of both runs' steps fall together nowhere
+//! but at breaks (`Search::CHECK`).
+//!
 //! **Events** are looked for in another way, too: other looks within other steps, and another root finder. What happens to
 //! each stop and each watched number is compared in order; and between the events of the second run its dense output is
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.

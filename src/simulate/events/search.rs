@@ -9,20 +9,24 @@ pub(in crate::simulate) enum Root {
     Illinois,
 }
 
-/// How events are looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How events are looked for, and how long steps are.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::simulate) struct Search {
     /// Looks within a step, its end included.
     pub(in crate::simulate) looks: u32,
     /// Between two looks.
     pub(in crate::simulate) root: Root,
+    /// Longest steps are this part of what they may be.
+    pub(in crate::simulate) stride: f64,
 }
 
 impl Search {
     /// That of a run.
-    pub(in crate::simulate) const RUN: Self = Self { looks: 5, root: Root::Bisection };
-    /// That of the run which checks another: it shares no time with the first.
-    pub(in crate::simulate) const CHECK: Self = Self { looks: 13, root: Root::Illinois };
+    pub(in crate::simulate) const RUN: Self = Self { looks: 5, root: Root::Bisection, stride: 1.0 };
+    /// That of the run which checks another: it shares no time with the first, and no longest step. Multiples of the golden section
+    /// are as far from whole numbers as can be.
+    pub(in crate::simulate) const CHECK: Self =
+        Self { looks: 13, root: Root::Illinois, stride: 0.618_033_988_749_894_8 };
 }
 
 impl Root {

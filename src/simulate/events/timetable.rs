@@ -2,15 +2,33 @@
 //!
 //! A table that begins to move at 5 s is nothing but rest to a step from 1 s to 10 s whose evaluations all lie at its
 //! ends, and a jump of accelerations inside of a step costs every method its order. Steps end just before a break, and
-//! begin anew at it. Formulas have no breaks that could be known: steps are a hundredth of the run at most there.
+//! begin anew at it.
+//!
+//! Of formulas in the time the breaks are found before the run ([`crate::formula::Formula::instants`]): where they change their rule,
+//! and around what they do for less than a fiftieth of the run. For all that they do besides, steps are a hundredth of the run at
+//! most there.
 
 use crate::model::Model;
+
+/// Times that differ by less than this part of the run were meant to be one.
+const SAME: f64 = 1e-12;
+/// So are those that differ by fewer roundings: a rule that holds at one time alone, as that of `sign(t-5)` at 5, begins and ends there.
+const ROUNDINGS: f64 = 4.0;
+
+/// Times that are one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Break {
+    /// The first of them (s): until then the old rules hold.
+    first: f64,
+    /// The last of them (s): from here on the new rules hold.
+    last: f64,
+}
 
 /// The breaks of a model's motions, motors, loads and masses.
 #[derive(Debug)]
 pub(in crate::simulate) struct Timetable {
-    /// Increasing, within the run (s).
-    breaks: Vec<f64>,
+    /// Increasing, within the run.
+    breaks: Vec<Break>,
     /// Of the run (s).
     end: f64,
     /// Longest step (s).
@@ -18,21 +36,20 @@ pub(in crate::simulate) struct Timetable {
 }
 
 impl Timetable {
-    /// Of a run from one time to another (s).
-    pub(in crate::simulate) fn new(model: &Model, [begin, end]: [f64; 2]) -> Self {
+    /// Of a run from one time to another (s), whose longest steps are a part of what they may be.
+    pub(in crate::simulate) fn new(model: &Model, run: [f64; 2], stride: f64) -> Self {
+        let [begin, end] = run;
         let duration = end - begin;
         let (drives, motors) = (&model.drives, &model.motors);
-        let each = drives.iter().map(|drive| drive.motion.breaks()).chain(motors.iter().map(|motor| motor.breaks()));
-        let tables = model.table_times();
-        let within = |time: &f64| *time > begin && *time < end;
-        let mut breaks: Vec<f64> = each.flatten().copied().chain(tables).filter(within).collect();
-        breaks.sort_by(f64::total_cmp);
-        // Times that were meant to be the same are one.
-        breaks.dedup_by(|later, earlier| *later - *earlier <= 1e-12 * duration);
+        let mut times: Vec<f64> = model.table_times().collect();
+        drives.iter().for_each(|drive| times.extend(&*drive.motion.breaks(run)));
+        motors.iter().for_each(|motor| times.extend(&*motor.breaks(run)));
+        times.retain(|time| *time > begin && *time < end);
         let drives = drives.iter().map(|drive| drive.motion.longest_step(duration));
         let longest =
             drives.chain(motors.iter().map(|motor| motor.longest_step(duration))).fold(f64::INFINITY, f64::min);
-        Self { breaks, end, longest_step: (longest < duration).then_some(longest) }
+        let longest_step = (longest < duration).then_some(stride * longest);
+        Self { breaks: breaks(times, duration), end, longest_step }
     }
 
     /// Whether anything changes its rule within the run.
@@ -42,18 +59,36 @@ impl Timetable {
 
     /// The next break after `time`, or the end of the run.
     pub(in crate::simulate) fn next(&self, time: f64) -> f64 {
-        self.breaks.get(self.breaks.partition_point(|at| *at <= time)).copied().unwrap_or(self.end)
+        self.breaks.get(self.breaks.partition_point(|at| at.last <= time)).map_or(self.end, |at| at.last)
+    }
+
+    fn at(&self, time: f64) -> Option<&Break> {
+        self.breaks.get(self.breaks.partition_point(|at| at.last < time)).filter(|at| at.last == time)
     }
 
     /// Whether a break is at this time.
     pub(in crate::simulate) fn breaks_at(&self, time: f64) -> bool {
-        self.breaks.contains(&time)
+        self.at(time).is_some()
     }
 
     /// Where steps towards a break end: just before it, so that all of them go by the rule that holds until then.
     pub(in crate::simulate) fn end(&self, next: f64) -> f64 {
-        if next < self.end { next.next_down() } else { next }
+        self.at(next).map_or(next, |at| at.first.next_down())
     }
+}
+
+/// Times in any order, those that are one put together.
+fn breaks(mut times: Vec<f64>, duration: f64) -> Vec<Break> {
+    times.sort_by(f64::total_cmp);
+    let mut breaks: Vec<Break> = Vec::new();
+    for time in times {
+        let same = (SAME * duration).max(ROUNDINGS * f64::EPSILON * time.abs());
+        match breaks.last_mut() {
+            Some(at) if time - at.first <= same => at.last = time,
+            _ => breaks.push(Break { first: time, last: time }),
+        }
+    }
+    breaks
 }
 
 #[cfg(test)]
@@ -62,9 +97,20 @@ mod tests {
 
     #[test]
     fn steps_end_just_before_a_break_and_at_the_end() {
-        let table = Timetable { breaks: vec![0.5, 2.0], end: 3.0, longest_step: None };
+        let table = Timetable { breaks: breaks(vec![2.0, 0.5], 3.0), end: 3.0, longest_step: None };
         assert_eq!((table.next(0.0), table.next(0.5), table.next(2.5)), (0.5, 2.0, 3.0));
         assert!(table.end(0.5) < 0.5 && table.next(table.end(0.5)) == 0.5);
         assert_eq!(table.end(3.0), 3.0);
+    }
+
+    /// Steps end before the first of times that are one, and begin at the last.
+    #[test]
+    fn times_that_are_one_are_passed_at_once() {
+        let (first, last) = (0.5, 0.5 + 1e-13);
+        let table =
+            Timetable { breaks: breaks(vec![last, 0.5_f64.next_up(), first], 3.0), end: 3.0, longest_step: None };
+        assert_eq!(table.breaks, [Break { first, last }]);
+        assert_eq!((table.next(0.1), table.end(last)), (last, first.next_down()));
+        assert!(table.breaks_at(last) && !table.breaks_at(first) && table.next(last) == 3.0);
     }
 }

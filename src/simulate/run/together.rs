@@ -27,7 +27,8 @@ use std::time::Instant;
 pub fn covers(model: &Model, settings: &Settings) -> bool {
     let staged = matches!(settings.integrator, Integrator::Method(method) if method.is_staged());
     let watched = !model.events.is_empty() || !model.controllers.is_empty() || model.switching().next().is_some();
-    let breaks = model.motors.iter().any(|motor| !motor.breaks().is_empty());
+    let run = [settings.begin(), settings.begin() + settings.duration];
+    let breaks = model.motors.iter().any(|motor| !motor.breaks(run).is_empty());
     staged && settings.resume.is_none() && Ensemble::covers(model) && !watched && !breaks && !model.has_boundaries()
 }
 
@@ -43,7 +44,7 @@ struct Lane<'m> {
 }
 
 /// Runs models that [`covers`] accepts and that differ in numbers alone, each from its own start and to its own recorder; otherwise as
-/// [`super::super::run`] with each of them. `None` if their structures differ.
+/// [`super::super::run`] with each of them. `None` if their structures differ, or the law of a motor breaks in one of them.
 pub fn run_together(
     models: &[Arc<Model>; WIDTH],
     settings: &Settings,
@@ -59,6 +60,9 @@ pub fn run_together(
         let begun = Lane::begin(&models[lane], method, settings, rate, &starts[lane], recorders[lane]);
         begun.map_err(|error| done[lane] = Some(Err(error))).ok()
     });
+    if lanes.iter().flatten().any(|lane| !lane.run.timetable.is_empty()) {
+        return None;
+    }
     let zeros = |count: usize| vec![[0.0; WIDTH]; count];
     let (mut q, mut v) = (zeros(models[0].position_count()), zeros(models[0].velocity_count()));
     let (mut a, mut time) = (v.clone(), [settings.begin(); WIDTH]);
