@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// Numbers that are listed for an output; `--json` has all.
 const MOST_LINES: usize = 12;
 
+/// An output that changes by itself if a number changes by this part of itself is round-off: an equilibrium is known to no more.
+const ROUND_OFF: f64 = 1e-12;
+
 /// The sensitivities of outputs by their names to numbers by their addresses; without any to all numbers of the scene.
 ///
 /// # Errors
@@ -58,6 +61,9 @@ pub(super) fn text(table: &Sensitivities) -> String {
             let Some(derivative) = derivative.filter(|x| *x != 0.0) else { continue };
             let share = derivative * value / output.value;
             felt.push((column, derivative, (value != 0.0 && output.value != 0.0).then_some(share)));
+        }
+        if felt.iter().any(|(_, _, share)| share.is_some_and(|share| share.abs() * ROUND_OFF > 1.0)) {
+            felt.iter_mut().for_each(|(_, _, share)| *share = None);
         }
         let size = |share: Option<f64>| share.map_or(-1.0, f64::abs);
         felt.sort_by(|a, b| size(b.2).total_cmp(&size(a.2)).then(b.1.abs().total_cmp(&a.1.abs())));

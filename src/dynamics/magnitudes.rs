@@ -62,9 +62,9 @@ impl Balanced<'_> {
                 size.force += part.force;
                 size.moment += part.force * arm + part.moment;
                 size.noise += part.noise;
-                size.noise_moment += part.noise * arm + part.moment;
+                size.noise_moment += part.noise * arm + part.noise_moment;
                 size.square += part.noise * part.noise;
-                size.square_moment += (part.noise * arm + part.moment).powi(2);
+                size.square_moment += (part.noise * arm + part.noise_moment).powi(2);
                 size.stiffness += part.stiffness;
                 size.turn_stiffness += part.stiffness * arm * arm + part.turn_stiffness;
             }

@@ -290,10 +290,16 @@ impl<'a> State<'a> {
 
     fn magnitude(&self) -> Magnitude {
         let reach = self.points[0].position.norm() + self.points[1].position.norm();
+        let (force, lever) = (self.force().norm(), self.between.norm());
+        let noise = self.law.stiffness.max() * reach + self.law.preload.norm();
+        let turning =
+            self.law.turn_stiffness.max() * rotation_vector(&self.relative).norm() + self.law.turn_preload.norm();
         Magnitude {
-            force: self.force().norm(),
-            noise: self.law.stiffness.max() * reach,
-            moment: self.law.turn_stiffness.max() * rotation_vector(&self.relative).norm() + self.law.turn_preload.norm(),
+            force,
+            noise,
+            // On A the force acts at b, and the lever is a difference of positions.
+            moment: force * lever + turning,
+            noise_moment: noise * lever + force * reach + turning,
             stiffness: self.law.stiffness.max(),
             turn_stiffness: self.law.turn_stiffness.max(),
         }

@@ -184,7 +184,8 @@ impl Act for LoadLaw {
     }
 
     fn dead(&self) -> Option<(usize, Vector3<f64>)> {
-        (!self.follows && self.over_time.is_none()).then_some((self.on.link, self.force))
+        let force = self.factor * self.force;
+        (!self.follows || force == Vector3::zeros()).then_some((self.on.link, force))
     }
 
     fn has_potential(&self) -> bool {
@@ -204,7 +205,7 @@ impl Act for LoadLaw {
 
     fn magnitude(&self, _links: &[LinkMotion]) -> Magnitude {
         let (force, moment) = (self.factor.abs() * self.force.norm(), self.factor.abs() * self.torque.norm());
-        Magnitude { force, noise: force, moment, ..Magnitude::default() }
+        Magnitude { force, noise: force, moment, noise_moment: moment, ..Magnitude::default() }
     }
 
     fn steady_until(&self) -> f64 {

@@ -73,7 +73,7 @@ pub trait Act {
         0.0
     }
 
-    /// The link it acts on and its force there (N, inertial axes), if that is the same in every state.
+    /// The link it acts on and its force there (N, inertial axes), if that is the same in every state at the time that is set.
     fn dead(&self) -> Option<(usize, Vector3<f64>)> {
         None
     }
@@ -197,6 +197,8 @@ pub struct Magnitude {
     pub moment: f64,
     /// Stiffness times lengths: the sizes whose difference the force is (N).
     pub noise: f64,
+    /// Likewise of the moment (N m).
+    pub noise_moment: f64,
     /// (N/m)
     pub stiffness: f64,
     /// (N m/rad)

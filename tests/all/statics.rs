@@ -1,5 +1,6 @@
 //! Statics that can be trusted: it finds the equilibrium, proves it, says what it is, or says why there is none.
 
+mod adrift;
 mod aim;
 mod cascade;
 mod crowns;
@@ -19,6 +20,8 @@ mod start;
 mod stiff_wires;
 mod stops;
 mod taut;
+mod through;
+mod tied_limits;
 mod time;
 mod unheld;
 mod zero;

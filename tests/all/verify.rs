@@ -73,3 +73,27 @@ fn an_explicit_method_on_a_scene_far_too_stiff_is_refused_with_advice() {
     assert!(error.contains("`dopri5` is an explicit method") && error.contains("`lower`"), "{error}");
     assert!(error.contains("radau9"), "{error}");
 }
+
+/// A body that a stage sets free falls on parabolas, which a low order has exactly: its steps are held by nothing.
+#[test]
+fn free_fall_is_not_stiff() {
+    for (tolerance, hinge, duration) in [
+        (1e-10, "type = \"spherical\"", 20.0),
+        (1e-3, "type = \"revolute\", axis = [1, 0, 0]", 5.0),
+        (1e-6, "type = \"prismatic\", axis = [1, 0, 0]", 20.0),
+        (1e-8, "type = \"revolute\", axis = [1, 0, 0]", 2.0),
+    ] {
+        let text = format!(
+            "simulate = {{ start = \"given\", duration = {duration:?}, tolerance = {tolerance:e} }}\n\
+             [[body]]\nname = \"ball\"\nmass = 0.5\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ at = [0, 0, -1], {hinge} }}\n\
+             [[stage]]\nwhen = {{ time = 0.1 }}\nopen = [\"ball\"]\n"
+        );
+        let scenario = stillpoint::scenario::parse("fall.toml", &text, &[])
+            .unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        let model = build(&scenario.description);
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let summary =
+            run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true).expect("a run");
+        assert_eq!(summary.integrators, [Method::Adams], "{text}: {:?}", summary.choice);
+    }
+}

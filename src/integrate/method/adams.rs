@@ -29,7 +29,8 @@
 //! multiplications. Every event starts the run anew with some twenty short steps.
 //!
 //! **Stability**: poor at high orders, so a system that turns stiff drives the order down. Low orders for many steps on
-//! end count as held by stability.
+//! end count as held by stability. A step that could be much longer by its error is held by nothing: a body that falls freely
+//! needs no order above the second, however long its steps.
 //!
 //! **Between the ends**: the polynomial of (2), as exact as the ends.
 //!
@@ -72,6 +73,9 @@ const FAILURES: u32 = 3;
 const LOW: [usize; 2] = [3, 6];
 const LOW_STEPS: u32 = 40;
 const TIGHT: f64 = 1e-9;
+/// A step that its error would let grow by this is not held: what stability holds is at its limit, and after a rejection, which halves
+/// it, next to it again.
+const UNHELD: f64 = 4.0;
 
 /// Adams methods of variable order and step.
 #[derive(Debug)]
@@ -204,24 +208,27 @@ impl Adams {
         self.last_order = self.order;
         self.progress.statistics.error_sum += left.error * self.norm.tolerance();
         std::mem::swap(&mut self.past, &mut self.tried);
-        let factor = self.choose(left);
-        self.control.follow(trial, factor);
+        let wanted = self.choose(left);
+        self.control.follow(trial, if self.starting { 2.0 } else { bounded(wanted) });
         let low = LOW[usize::from(self.norm.tolerance() < TIGHT)];
-        self.low = if self.order <= low && !self.starting { self.low + 1 } else { 0 };
+        self.low = match self.order <= low && !self.starting {
+            true => self.low + u32::from(wanted < UNHELD),
+            false => 0,
+        };
         self.failures = 0;
         self.miss_is_known = false;
         self.previous.copy_from_slice(&self.progress.state);
         self.progress.advance(trial.time, &mut self.next);
     }
 
-    /// Chooses the order of the next step; gives the factor for its length.
+    /// Chooses the order of the next step; gives the factor for its length that its error would allow.
     fn choose(&mut self, left: Left) -> f64 {
         let (k, [_, lower, same, higher]) = (self.order, left.orders);
         let falls = falls(k, left.orders);
         self.starting &= !falls && k < MOST;
         if self.starting {
             self.order = k + 1;
-            return 2.0;
+            return f64::INFINITY;
         }
         let expected = if falls || (higher.is_finite() && k > 1 && lower <= same.min(higher)) {
             self.order = k - 1;
@@ -232,14 +239,7 @@ impl Adams {
         } else {
             same
         };
-        let factor = (AIM / expected.max(f64::MIN_POSITIVE)).powf(1.0 / (self.order + 1) as f64);
-        if factor >= HOLD_BELOW {
-            (FACTORS[1] * factor).clamp(1.0, LARGEST_FACTOR)
-        } else if factor < 1.0 {
-            factor.clamp(FACTORS[0], FACTORS[1])
-        } else {
-            1.0
-        }
+        (AIM / expected.max(f64::MIN_POSITIVE)).powf(1.0 / (self.order + 1) as f64)
     }
 
     /// A step that left too much: a shorter one, and a lower order where that is no worse.
@@ -276,6 +276,17 @@ impl Adams {
         let count = self.last_order + 1;
         let weights = self.past.weights(h, count).integrals;
         self.past.sum(&self.progress.state, h, &weights[..count], state);
+    }
+}
+
+/// The factor for the length of the next step, from the one that its error would allow.
+fn bounded(wanted: f64) -> f64 {
+    if wanted >= HOLD_BELOW {
+        (FACTORS[1] * wanted).clamp(1.0, LARGEST_FACTOR)
+    } else if wanted < 1.0 {
+        wanted.clamp(FACTORS[0], FACTORS[1])
+    } else {
+        1.0
     }
 }
 

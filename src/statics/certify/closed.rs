@@ -5,7 +5,6 @@ use super::known::{Known, look_closer};
 use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use super::stability::{
     Stability, StabilityVerdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized,
-    verdict,
 };
 use crate::dynamics::{Fault, Linearization};
 use crate::model::Model;
@@ -76,6 +75,7 @@ fn prestressed(
         found = Prestress::Certified;
         (stability.verdict, stability.unstable_directions, stability.neutral_directions) =
             (StabilityVerdict::Stable, 0, 0);
+        stability.supposes = Some("rows that are linearly dependent are rigid");
         stability.modes.clear();
         stability.damped.clear();
     }
@@ -211,14 +211,7 @@ fn classify(
     counted: Option<(usize, usize)>,
 ) -> Stability {
     if z.ncols() == 0 {
-        let (modes, damped) = (Vec::new(), Vec::new());
-        return Stability {
-            verdict: StabilityVerdict::Stable,
-            unstable_directions: 0,
-            neutral_directions: 0,
-            modes,
-            damped,
-        };
+        return Stability::of(0, 0, Vec::new(), Vec::new());
     }
     let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count(z, &linear.stiffness, &place.scales.stiffness),
@@ -244,7 +237,5 @@ fn classify(
     if conservative && !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
-    let unstable = damped::runaway(&damped, unstable);
-    let verdict = verdict(unstable, neutral);
-    Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
+    Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped)
 }

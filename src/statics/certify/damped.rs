@@ -177,3 +177,15 @@ pub(in crate::statics) fn grow(modes: &mut [NaturalMode], damped: &[DampedMode],
         mode.growth_rate = rate;
     }
 }
+
+/// Of loads without a potential the damped motion alone says what grows: undamped, such loads feed pairs of motions of nearly one
+/// frequency however small they are.
+pub(in crate::statics) fn still(modes: &mut [NaturalMode], damped: &[DampedMode]) {
+    // One that swings is a pair of roots, as it is a pair of modes.
+    let twice = |mode: &DampedMode| std::iter::repeat_n(-mode.decay_rate, if mode.frequency_hz > 0.0 { 2 } else { 1 });
+    let mut rates: Vec<f64> = damped.iter().filter(|mode| mode.damping_ratio < -GROWS).flat_map(twice).collect();
+    rates.sort_by(|a, b| b.total_cmp(a));
+    let mut rates = rates.into_iter();
+    modes.iter_mut().for_each(|mode| mode.growth_rate = rates.next().unwrap_or(0.0));
+    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+}

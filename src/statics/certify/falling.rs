@@ -31,6 +31,7 @@ use crate::model::problem::number;
 use crate::model::stop;
 use crate::model::{Coordinate, CurveOver, Drive, Model, Motor};
 use crate::motion::Motion;
+use crate::statics::problem::parts::joined;
 use crate::statics::problem::place::BALANCED;
 use faer::{Mat, Side};
 use nalgebra::Vector3;
@@ -429,12 +430,16 @@ fn constant_forces(model: &Model) -> Vec<Option<f64>> {
         add(curve.coordinate.velocity, (curve.over == CurveOver::Velocity).then_some(-curve.at_rest));
     }
     model.drives.iter().for_each(|drive| add(drive.coordinate.velocity, None));
-    // What a drive keeps turning has a potential of its centrifugal forces.
+    // What a drive keeps turning has a potential of its centrifugal forces, and so has what loops and gears turn with it.
     let is_moving = |drive: &&Drive| drive.motion.at(0.0).velocity != 0.0;
-    let moves = model.drives.iter().any(|drive| is_moving(&drive));
-    let tied = moves && !(model.loops.is_empty() && model.gears.is_empty());
-    let mut carried = vec![tied; model.links.len()];
-    model.drives.iter().filter(is_moving).for_each(|drive| carried[drive.coordinate.link] = true);
+    let moved = || model.drives.iter().filter(is_moving).map(|drive| drive.coordinate.link);
+    let mut carried = vec![false; model.links.len()];
+    moved().for_each(|link| carried[link] = true);
+    if moved().next().is_some() && !(model.loops.is_empty() && model.gears.is_empty()) {
+        let of = parts(model);
+        let moving: Vec<usize> = moved().map(|link| of[link]).collect();
+        carried.iter_mut().zip(&of).for_each(|(carried, of)| *carried |= moving.contains(of));
+    }
     for (index, link) in model.links.iter().enumerate().skip(1) {
         carried[index] |= carried[link.parent];
         if carried[index] && link.joint.is_scalar() {
@@ -445,6 +450,14 @@ fn constant_forces(model: &Model) -> Vec<Option<f64>> {
         add(stop.velocity, None);
     }
     forces
+}
+
+/// Per link the first of those that it moves with, by hinges, loops and gears; the ground carries no motion.
+fn parts(model: &Model) -> Vec<usize> {
+    let hinges = model.links.iter().enumerate().skip(1).map(|(index, link)| [index, link.parent]);
+    let loops = model.loops.iter().map(|closed| [closed.ends[0].link, closed.ends[1].link]);
+    let gears = model.gears.iter().map(|gear| gear.coordinates.map(|one| one.link));
+    joined(model.links.len(), hinges.chain(loops).chain(gears).filter(|pair| !pair.contains(&0)))
 }
 
 /// Whether statics holds the hinge of a link.

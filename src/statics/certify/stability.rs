@@ -49,6 +49,8 @@ impl StabilityVerdict {
 pub struct Stability {
     /// The verdict.
     pub verdict: StabilityVerdict,
+    /// What a stable verdict supposes; `None` if nothing.
+    pub supposes: Option<&'static str>,
     /// Number of directions that run away.
     pub unstable_directions: usize,
     /// Number of zero-stiffness directions.
@@ -61,6 +63,32 @@ pub struct Stability {
 }
 
 impl Stability {
+    /// The verdict on so many directions that run away, and of zero stiffness.
+    pub(in crate::statics) fn of(
+        unstable: usize,
+        neutral: usize,
+        modes: Vec<NaturalMode>,
+        damped: Vec<DampedMode>,
+    ) -> Self {
+        let verdict = match (unstable, neutral) {
+            (0, 0) => StabilityVerdict::Stable,
+            (0, _) => StabilityVerdict::Neutral,
+            _ => StabilityVerdict::Unstable,
+        };
+        Self { verdict, supposes: None, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
+    }
+
+    /// What feeds an equilibrium of loads without a potential that flutters, if nothing damps it.
+    pub(in crate::statics) fn flutter_note(&self, model: &Model) -> Option<String> {
+        let flutters = |mode: &NaturalMode| mode.growth_rate > 0.0 && mode.frequency_hz > 0.0;
+        let fed = !model.is_conservative_at_rest() && !model.has_damping();
+        (fed && self.modes.iter().any(flutters)).then(|| {
+            "loads without a potential feed motions that swing (flutter), and nothing in the scene damps them: with damping they \
+             may be still"
+                .to_owned()
+        })
+    }
+
     /// Natural frequencies of the undamped motion (Hz), ascending: of the modes that do not run away.
     pub fn frequencies(&self) -> impl Iterator<Item = f64> {
         self.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz)
@@ -94,15 +122,7 @@ pub(in crate::statics) fn classify(
     let linear =
         Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
     if free.is_empty() {
-        let (unstable_directions, neutral_directions) = (0, 0);
-        let (modes, damped) = (Vec::new(), Vec::new());
-        return Ok(Stability {
-            verdict: StabilityVerdict::Stable,
-            unstable_directions,
-            neutral_directions,
-            modes,
-            damped,
-        });
+        return Ok(Stability::of(0, 0, Vec::new(), Vec::new()));
     }
     let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
@@ -116,12 +136,12 @@ pub(in crate::statics) fn classify(
         sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
     }
     let damped = if model.has_damping() { damped::modes(model, free, &linear) } else { Vec::new() };
-    if conservative && !damped.is_empty() {
-        damped::grow(&mut modes, &damped, unstable);
+    match conservative {
+        _ if damped.is_empty() => {}
+        true => damped::grow(&mut modes, &damped, unstable),
+        false => damped::still(&mut modes, &damped),
     }
-    let unstable = damped::runaway(&damped, unstable);
-    let verdict = verdict(unstable, neutral);
-    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
+    Ok(Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped))
 }
 
 /// A large system: counts and lowest modes by sweeps, across `rows` that are held.
@@ -150,17 +170,7 @@ pub(in crate::statics) fn classify_by_sweeps(
     if !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
-    let unstable = damped::runaway(&damped, unstable);
-    let verdict = verdict(unstable, neutral);
-    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
-}
-
-pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> StabilityVerdict {
-    match (unstable, neutral) {
-        (0, 0) => StabilityVerdict::Stable,
-        (0, _) => StabilityVerdict::Neutral,
-        _ => StabilityVerdict::Unstable,
-    }
+    Ok(Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped))
 }
 
 pub(in crate::statics) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {

@@ -32,13 +32,17 @@ pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Plac
 /// An unbalanced force with its hinge, direction and size.
 pub(in crate::statics) fn describe(landscape: &mut Landscape<'_>, place: &Place, worst: usize) -> String {
     let relative = place.force[worst].abs() / place.scales.force[worst];
-    let share = if relative >= 0.01 { format!("{:.0} %", 100.0 * relative) } else { format!("{relative:.1e}") };
+    let share = match relative {
+        relative if !relative.is_finite() => "no other force is there".to_owned(),
+        relative if relative >= 0.01 => format!("{:.0} % of the forces there", 100.0 * relative),
+        relative => format!("{relative:.1e} of the forces there"),
+    };
     let (model, coordinate) = (&Arc::clone(landscape.model()), landscape.free[worst]);
     let size = number(place.force[worst]);
     let unit = if slides(model)[coordinate] { "N" } else { "N m" };
     let direction = direction(landscape, place, coordinate);
     let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
-    format!("{size} {unit} in {}{towards} ({share} of the forces there)", model.label(coordinate))
+    format!("{size} {unit} in {}{towards} ({share})", model.label(coordinate))
 }
 
 /// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,

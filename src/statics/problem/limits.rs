@@ -128,7 +128,8 @@ impl Landscape<'_> {
         let Some(limits) = &self.limits else { return Ok(None) };
         let unlocked = limits.unlocked.clone();
         self.residuals += 1;
-        let (force, scales) = self.forces_of(&unlocked, q)?;
+        let (force, mut scales) = self.forces_of(&unlocked, q)?;
+        self.heed_least(&unlocked, &mut scales);
         let Some(limits) = &mut self.limits else { return Ok(None) };
         let (mut held, mut weak) = (vec![false; self.rest.len()], Vec::new());
         for stop in limits.stops.iter().filter(|stop| stop.is_rigid()) {

@@ -5,16 +5,20 @@
 //! | `place` | a position of the search: its unbalanced forces, and whether they prove a balance |
 //! | `stiffness` | the stiffness of the free coordinates, factorized; `linear` has dense matrices, `sizes` what their entries are compared with |
 //! | `limits` | limits of hinges in a tree: which are active at a place |
+//! | `fence` | limits of hinges at which a search among loops and gears halts |
 //! | `ties` | closed positions: the landscape of a scene with loops, drives and gears |
 //! | `split`, `row_space` | what rows hold and what they leave free at a position: dense, and of many rows sparse |
 //! | `bordered` | rows beside a sweep, without a matrix of the size of the scene |
 //! | `prestress`, `taut` | self-stresses of linearly dependent rows, and loads across rows that are taut |
+//! | `parts` | what is joined to each other |
 //! | `assembled` | what the assembly of a scene has decided, kept as its numbers move |
 
 pub(in crate::statics) mod assembled;
 pub(in crate::statics) mod bordered;
+mod fence;
 mod limits;
 pub(in crate::statics) mod linear;
+pub(in crate::statics) mod parts;
 pub(in crate::statics) mod place;
 mod prestress;
 mod row_space;
@@ -29,6 +33,8 @@ use super::watch::Watch;
 use crate::dynamics::{Fault, Matrices, System, TangentSolver};
 use crate::model::Model;
 use faer::Mat;
+use fence::Fence;
+pub(in crate::statics) use fence::Gate;
 use limits::Limits;
 pub(in crate::statics) use limits::{Weak, within_limits};
 use place::{BALANCED, Place, SHIFT};
@@ -88,6 +94,8 @@ pub(in crate::statics) struct Landscape<'s> {
     pub(in crate::statics) ties: Option<Box<Ties>>,
     /// Of a tree whose limits are heeded.
     limits: Option<Box<Limits>>,
+    /// Of a search that halts at limits.
+    fence: Option<Box<Fence>>,
     /// Where the search began; `None` if nothing is searched for.
     origin: Option<Origin>,
     /// Says whether the search may go on.
@@ -161,6 +169,7 @@ impl<'s> Landscape<'s> {
             full,
             ties,
             limits: None,
+            fence: None,
             origin: None,
             watch: None,
         })
@@ -417,8 +426,8 @@ impl<'s> Landscape<'s> {
         energies.potential - energies.kinetic + stops
     }
 
-    /// `q ⊞ x` with `x` in free coordinates, loops closed again (numbers that are not finite where that cannot be done) and
-    /// within the limits that are heeded.
+    /// `q ⊞ x` with `x` in free coordinates, loops closed again and within the limits that are heeded; numbers that are not finite
+    /// where loops cannot be closed, and beyond a fence.
     pub(in crate::statics) fn moved(&mut self, q: &[f64], x: &[f64]) -> Vec<f64> {
         self.full.fill(0.0);
         for (i, x) in self.free.iter().zip(x) {
@@ -429,18 +438,19 @@ impl<'s> Landscape<'s> {
         if let Some(limits) = &self.limits {
             limits.project(&mut moved);
         }
-        if !self.close(&mut moved) {
+        if !self.close(&mut moved) || self.is_beyond(&moved) {
             moved.fill(f64::NAN);
         }
         moved
     }
 
-    /// Sizes of the terms in the potential that closing the loops stirs (J); 0 without loops.
+    /// Sizes of the terms in the potential that closing the loops stirs, together (J): each loop of a long row of them closes with an error
+    /// of its own. 0 without loops.
     pub(in crate::statics) fn stirred(&self, place: &Place) -> f64 {
         if self.ties.is_none() {
             return 0.0;
         }
-        (0..self.free.len()).map(|row| place.scales.force[row] * self.lever(row)).fold(0.0, f64::max)
+        (0..self.free.len()).map(|row| place.scales.force[row] * self.lever(row)).sum()
     }
 
     /// `√(xᵀ B x)`.
@@ -464,8 +474,20 @@ impl<'s> Landscape<'s> {
                 result?
             }
         };
+        self.heed_least(&self.free, &mut scales);
         self.judge_by_origin(q, &mut scales);
         Ok((force, scales))
+    }
+
+    /// Less than the machine precision of a radian, or of the scene's length, is no position: what the stiffest coordinate would
+    /// push over so small a part of that is no force anywhere, as in a scene without loads whose springs are all but relaxed.
+    fn heed_least(&self, which: &[usize], scales: &mut Scales) {
+        let lever = |i: usize| if self.slides[i] { self.length } else { 1.0 };
+        let works = which.iter().zip(&scales.stiffness).map(|(i, k)| k * lever(*i).powi(2));
+        let least = f64::EPSILON.powi(2) * works.filter(|work| work.is_finite()).fold(0.0, f64::max);
+        for (i, noise) in which.iter().zip(&mut scales.noise) {
+            *noise = noise.max(least / lever(*i));
+        }
     }
 
     /// Forces and scales in these velocity coordinates of a tree.

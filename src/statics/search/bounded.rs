@@ -7,6 +7,7 @@
 
 use super::Search;
 use super::cascade::{self, Found};
+use super::floating::left_in_place;
 use super::polish::polish;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
@@ -16,12 +17,6 @@ use crate::statics::certify::unbalanced::unbalanced;
 use crate::statics::effort::Iteration;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{Landscape, within_limits};
-use crate::statics::settings::{Method, Settings};
-
-/// Whether the search is for this scene: its loads have a potential, and nothing ties coordinates together.
-pub(super) fn is_for(model: &Model, settings: &Settings) -> bool {
-    settings.method == Method::Auto && !model.is_constrained() && model.is_conservative_at_rest()
-}
 
 /// Where the search ended, and what it worked.
 struct Outcome {
@@ -83,14 +78,15 @@ fn descend(search: Search<'_>) -> Result<Outcome, Fault> {
         None => Place::at(&mut landscape, q)?,
     };
     landscape.begin(&guess);
-    let found = cascade::within_limits(&mut landscape, guess.clone(), &mut history)?;
+    let mut found = cascade::within_limits(&mut landscape, guess.clone(), &mut history)?;
+    found.place = left_in_place(&mut landscape, start, found.place)?;
     search.record(&mut landscape);
     let work = [landscape.residuals, landscape.stiffnesses, landscape.factorizations];
     Ok(Outcome { found, guess, history, work })
 }
 
 /// The stops that a position rests on: rigid ones that it touches, compliant ones that it presses.
-fn borne(model: &Model, q: &[f64]) -> Set {
+pub(super) fn borne(model: &Model, q: &[f64]) -> Set {
     let mut set = bearing::touching(model, q);
     for (side, stop) in set.iter_mut().zip(&model.stops) {
         if !stop.is_rigid() && stop.pressed(q).is_none() {

@@ -2,11 +2,13 @@
 
 use super::Search;
 use super::cascade::{self, Found};
+use super::floating::left_in_place;
 use crate::dynamics::{Fault, System};
 use crate::statics::certify::equilibrium::{Equilibrium, certify};
 use crate::statics::certify::unbalanced::unbalanced;
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
+use crate::statics::settings::Method;
 
 /// Finds the equilibrium of a model without stops.
 pub(super) fn search_free(search: Search<'_>) -> Result<Equilibrium, Fault> {
@@ -35,6 +37,9 @@ pub(super) fn search_free(search: Search<'_>) -> Result<Equilibrium, Fault> {
         let ended = watch.note(effort.stage, place.residual().0);
         notes.retain(|note| Some(note) != fall.as_ref());
         notes.push(ended.or(fall).map_or_else(|| unbalanced(&mut landscape, &place), Ok)?);
+    }
+    if matches!(settings.method, Method::Auto | Method::Newton) {
+        place = left_in_place(&mut landscape, start, place)?;
     }
     search.record(&mut landscape);
     certify(landscape, settings, place, effort, history, notes)

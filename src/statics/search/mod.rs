@@ -8,13 +8,16 @@
 //!
 //! Where that fails, later stages of the [`cascade`] take over: the [`release`] of the guess, then dynamic relaxation.
 
+mod active;
 mod bounded;
 mod cascade;
 pub(super) mod curve;
+mod floating;
 mod free;
 pub(super) mod illinois;
 mod newton;
 mod polish;
+mod progress;
 mod release;
 mod saddle;
 mod trust_region;

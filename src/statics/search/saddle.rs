@@ -28,7 +28,7 @@ const SHORTEST: f64 = 1e-9;
 const ROUND_OFF: f64 = 1e-13;
 
 /// A stiffness below this part of its terms has no sign.
-const NO_SIGN: f64 = 1e-13;
+pub(super) const NO_SIGN: f64 = 1e-13;
 
 /// A step that leads down, and the potential after it.
 pub(in crate::statics) struct WayOut {

@@ -17,9 +17,11 @@
 //! **Rigid limits** bound the coordinates of a tree. The active set is chosen at every place (see
 //! [`crate::statics::problem`]), the step is that of the free coordinates, a coordinate at its limit that the step would push
 //! beyond is held for it, and every other one ends at its limits. A step that is cut there is measured by `½ fᵀ x`: short
-//! enough it goes along the projected gradient, so that the potential falls.
+//! enough it goes along the projected gradient, so that the potential falls. Among loops and gears the search halts at the
+//! first limit on its way instead (see [`super::active`]).
 
-use super::saddle::{WayOut, downhill, way_out};
+use super::progress::Progress;
+use super::saddle::{NO_SIGN, WayOut, downhill, way_out};
 use crate::dynamics::Fault;
 use crate::statics::certify::cone;
 use crate::statics::certify::falling::Fall;
@@ -50,12 +52,6 @@ const WORTH: f64 = 0.1;
 const LEAST_CUT: f64 = 0.02;
 /// What a cut step is shortened by at once: within these bounds to where a parabola through its gain has its lowest point.
 const SHORTENED: [f64; 2] = [0.1, 0.6];
-/// Stagnation window: steps in which a search that neither falls by the part `PROGRESS` of its fall since the first window nor halves
-/// its least residual makes no progress. Forty thousand such steps would gain less than a ten-thousandth. The fall in the first window
-/// does not count: the stiff springs that it relaxes hold more energy than there is to gain in the valley after it.
-const WINDOW: usize = 500;
-const PROGRESS: f64 = 1e-6;
-
 /// How the search ended.
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Outcome {
@@ -110,7 +106,7 @@ pub(in crate::statics) fn run(
         outcome,
     };
     let mut travelled = 0.0;
-    let mut progress = Progress { first: None, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
+    let mut progress = Progress::new(potential);
     let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
     let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
     let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
@@ -136,33 +132,15 @@ pub(in crate::statics) fn run(
             continue;
         }
         let Some(step) = search.step(history)? else { break };
+        if search.landscape.halted_at().is_some() {
+            break;
+        }
         travelled += step;
-        progress.least = progress.least.min(search.outcome.place.residual().0);
-        if iteration % WINDOW == WINDOW - 1 && !progress.goes_on(search.potential) {
+        if !progress.goes_on(iteration, search.potential, search.outcome.place.residual().0) {
             break;
         }
     }
     Ok(search.outcome)
-}
-
-/// What the steps have gained since it was last asked.
-struct Progress {
-    /// The potential when it was first asked.
-    first: Option<f64>,
-    last: f64,
-    /// The least residual when it was last asked, and now.
-    residual: f64,
-    least: f64,
-}
-
-impl Progress {
-    fn goes_on(&mut self, potential: f64) -> bool {
-        let first = *self.first.get_or_insert(potential);
-        let fell = self.last - potential > PROGRESS * (first - potential);
-        let halved = self.least < 0.5 * self.residual;
-        (self.last, self.residual) = (potential, self.least);
-        fell || halved
-    }
 }
 
 /// How far turns and slides are from where their springs are relaxed (m √kg).
@@ -194,6 +172,14 @@ struct Trial {
     part: f64,
 }
 
+impl Trial {
+    /// The beginning of it.
+    fn up_to(self, part: f64) -> Self {
+        let x = self.x.iter().map(|x| part * x).collect();
+        Self { x, size: part * self.size, shift: self.shift, part: part * self.part }
+    }
+}
+
 /// Where a corrected step ends.
 struct Lower {
     q: Vec<f64>,
@@ -220,8 +206,14 @@ impl Search<'_, '_> {
                 self.newton = Newton::Unknown;
                 continue;
             }
-            if let Some(size) = self.try_step(&trial, history)? {
-                return Ok(Some(size));
+            let halt = self.landscape.halted(&self.outcome.place.q, &trial.x);
+            let trial = trial.up_to(halt.map_or(1.0, |halt| halt.part));
+            let taken = if trial.size > 0.0 { self.try_step(&trial, history)? } else { None };
+            if let Some(halt) = halt.filter(|_| taken.is_some() || trial.size == 0.0) {
+                self.landscape.halt_at(halt.stop, &self.outcome.place.q);
+            }
+            if taken.is_some() || self.landscape.halted_at().is_some() {
+                return Ok(taken);
             }
             // The trial moved the system: back to where the step starts.
             self.landscape.look(&self.outcome.place.q)?;
@@ -471,8 +463,9 @@ impl Search<'_, '_> {
             z = self.landscape.solve(&weighted);
             size = self.landscape.size(&z);
         }
-        // λ₁ = 1/|(K + σB)⁻¹ B z| − σ.
-        let is_lowest = size.is_finite() && size * trial.shift > 1.0;
+        // λ₁ = 1/|(K + σB)⁻¹ B z| − σ. Along a motion of zero stiffness nothing falls: a step along it would only carry the scene away.
+        let curvatures = self.outcome.place.scales.stiffness.iter().zip(&metric).map(|(k, b)| k / b);
+        let is_lowest = size.is_finite() && trial.shift - 1.0 / size > NO_SIGN * curvatures.fold(0.0, f64::max);
         if !is_lowest {
             return trial;
         }

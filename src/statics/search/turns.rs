@@ -2,42 +2,56 @@
 //!
 //! A coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
 //! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. If a
-//! search ends in no balance, stops in the way of the forces left there are tried. (In a tree whose loads have a potential the
-//! set that bears is the active set of a minimum within the limits, see [`super::bounded`].)
+//! search ends in no balance, stops in the way of the forces left there are tried. If loads have a potential, the set that bears
+//! is the active set of a minimum within the limits: in a tree it is looked for at once, see [`super::bounded`], beside loops, drives
+//! and gears if no turn ends well, see [`super::active`].
 //!
 //! **With loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
 //! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
 //! steps, and where they cannot be, it takes the place of the others.
 
 use super::free::search_free;
-use super::{Search, bounded};
+use super::{Search, active, bounded};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side, StopLaw};
 use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, load, touching, unit, with};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::problem::Landscape;
-use crate::statics::settings::Want;
+use crate::statics::settings::{Method, Want};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The equilibrium with the stops heeded.
 pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
-    let (descends, stable) = (bounded::is_for(search.model, search.settings), search.settings.want == Want::Stable);
+    let Search { model, settings, watch, .. } = search;
+    let descends = settings.method == Method::Auto && model.is_conservative_at_rest();
+    let (tied, stable) = (model.is_constrained(), settings.want == Want::Stable);
     if descends
         && stable
+        && !tied
         && let Some(found) = bounded::search(search.again())?
     {
         return Ok(found);
     }
     let found = by_turns(search.again())?;
-    // The nearest equilibrium was wanted; downhill there is one, wherever it is.
-    if descends
-        && !(stable || found.balanced)
-        && let Some(found) = bounded::search(search)?
-    {
+    if found.converged || !descends || !watch.goes_on() {
         return Ok(found);
     }
-    Ok(found)
+    // Downhill there is one, wherever it is.
+    let lower = match tied {
+        true => active::search(search)?.map(|lower| after(&found, lower)),
+        false if stable || found.balanced => None,
+        false => bounded::search(search)?,
+    };
+    Ok(lower.unwrap_or(found))
+}
+
+/// An answer with what the turns before it have worked.
+fn after(turns: &Equilibrium, mut found: Equilibrium) -> Equilibrium {
+    found.stages.splice(0..0, turns.stages.iter().cloned());
+    found.iterations += turns.iterations;
+    found.force_evaluations += turns.force_evaluations;
+    found
 }
 
 fn by_turns(mut search: Search<'_>) -> Result<Equilibrium, Fault> {

@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::motion::displace;
 use crate::sparse::{SparseRows, kernel};
 use crate::statics::certify::modes::NaturalMode;
-use crate::statics::certify::stability::{Stability, StabilityVerdict};
+use crate::statics::certify::stability::Stability;
 use crate::statics::problem::sizes::NEUTRAL;
 use crate::transfer::mass::MassAction;
 use faer::{Mat, Side};
@@ -43,20 +43,14 @@ pub(super) fn stability(
             Ok(modes) => modes,
             // Nothing presses where it would have to give way: it is free there, to one side.
             Err(Unanswered::Untouchable(_)) => {
-                let (verdict, modes, damped) = (StabilityVerdict::Neutral, Vec::new(), Vec::new());
-                return Ok(Stability { verdict, unstable_directions: 0, neutral_directions: k, modes, damped });
+                return Ok(Stability::of(0, k, Vec::new(), Vec::new()));
             }
             Err(other) => return Err(other),
         },
     };
     let unstable = modes.iter().filter(|mode| mode.growth_rate > 0.0).count();
     let neutral = modes.iter().filter(|mode| mode.growth_rate == 0.0 && mode.frequency_hz == 0.0).count();
-    let verdict = match (unstable, neutral) {
-        (0, 0) => StabilityVerdict::Stable,
-        (0, _) => StabilityVerdict::Neutral,
-        _ => StabilityVerdict::Unstable,
-    };
-    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped: Vec::new() })
+    Ok(Stability::of(unstable, neutral, modes, Vec::new()))
 }
 
 /// Whether a support keeps its rows: it bears, with forces as far inside of all cones as they can be.

@@ -195,3 +195,64 @@ fn a_stage_is_inspected_with_the_velocities_of_what_has_opened() {
     // 0.05 J of the bar, 0.125 + 0.05 J of what has left it.
     assert!((seen["kinetic_energy"].as_f64().expect("a number") - 0.225).abs() < 1e-15, "{seen}");
 }
+
+/// A pose that three rods hold to second order only, and if they are rigid.
+const INFINITESIMAL: &str = "
+gravity = [0.0, 0.0, -9.81]
+statics = {want = \"any\"}
+[[body]]
+name = \"p\"
+mass = 2.0
+inertia = [0.14, 0.14, 0.14]
+hinge = {type = \"planar\", rpy = [1.5707963267948966, 0.0, 0.0]}
+[[loop]]
+type = \"rod\"
+between = [{body = \"ground\", at = [-0.07586410887125675, 0.0, -0.7384938757700088]}, {body = \"p\", at = [-0.24938549639535737, 0.05945260930081053, 0.0]}]
+length = 0.8165955332752957
+[[loop]]
+type = \"rod\"
+between = [{body = \"ground\", at = [-0.04811330262775715, 0.0, -0.998797171005017]}, {body = \"p\", at = [-0.6432751136745556, 0.09670875075074054, 0.0]}]
+length = 1.2467360610531952
+[[loop]]
+type = \"rod\"
+between = [{body = \"ground\", at = [0.05344844734912603, 0.0, -0.11230576342897536]}, {body = \"p\", at = [0.0941523674949819, 0.6302504125725852, 0.0]}]
+length = 0.7436709511829145
+";
+
+#[test]
+fn a_verdict_that_supposes_something_says_so_beside_it() {
+    let bench = Bench::new();
+    bench.write("rods.toml", INFINITESIMAL);
+    let answer = bench.call(&["statics", "rods.toml", "--json"]).code(0).json();
+    assert_eq!(answer["stability"], "stable");
+    assert_eq!(answer["stability_supposes"], "rows that are linearly dependent are rigid");
+    let pendulum = bench.call(&["statics", &shipped("pendulum"), "--json"]).code(0).json();
+    assert!(pendulum["stability_supposes"].is_null());
+}
+
+/// A bar that hangs straight down between two springs alike leans by round-off at most: nothing moves that by per cents of itself.
+#[test]
+fn what_is_round_off_has_no_relative_influence() {
+    let bench = Bench::new();
+    let spring = |name: &str, x: f64| {
+        format!(
+            "[[force]]\nname = \"{name}\"\ntype = \"spring\"\nstiffness = 30.0\nlength = 0.7\n\
+             between = [\"bar.end\", {{ body = \"ground\", at = [{x:?}, 0.0, -1.9] }}]\n"
+        )
+    };
+    for seed in 1..8 {
+        let start = 0.07 * f64::from(seed);
+        let text = format!(
+            "[[body]]\nname = \"bar\"\nmass = 2.0\ncenter = [0, 0, -1]\ninertia = [0.1, 0.1, 0.1]\nmarkers = {{ end = [0, 0, -2] }}\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], position = {start:?} }}\n{}{}\
+             [[output]]\nname = \"lean\"\ntype = \"position\"\nof = \"bar.end\"\naxis = [1, 0, 0]\n",
+            spring("left", -1.3),
+            spring("right", 1.3)
+        );
+        bench.write("bar.toml", &text);
+        let answer = bench.call(&["statics", "bar.toml", "--sensitivity", "lean"]).code(0);
+        let rows = answer.out.lines().skip_while(|line| !line.contains("sensitivity")).skip(1);
+        let shares: Vec<f64> = rows.filter_map(|row| row.split_whitespace().next()?.parse().ok()).collect();
+        assert!(shares.is_empty(), "{shares:?}\n{}", answer.out);
+    }
+}

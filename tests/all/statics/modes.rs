@@ -6,7 +6,7 @@ use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 fn rest(text: &str) -> (Arc<Model>, Equilibrium) {
     let scenario = scenario::parse("modes.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
@@ -234,5 +234,30 @@ fn large_random_trees_swing_as_matrices_say() {
             let expected = value.sqrt() / std::f64::consts::TAU;
             assert!((hertz - expected).abs() < 1e-8 * expected, "{seed}: {hertz} {expected}");
         }
+    }
+}
+
+/// A body on a ball with a spring, as stiff about all axes, under a torque that keeps its direction: it feeds any two motions of one
+/// frequency, which flutter as long as nothing damps them.
+fn twisted(torque: f64, damping: f64) -> Equilibrium {
+    let text = format!(
+        "gravity = [0, 0, 0]\nstatics = {{ want = \"any\" }}\n[[body]]\nname = \"top\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = {{ type = \"spherical\", stiffness = 10.0, damping = {damping:?} }}\n\
+         [[force]]\nname = \"twist\"\ntype = \"load\"\non = \"top\"\ntorque = [0.0, 0.0, {torque:?}]\n"
+    );
+    rest(&text).1
+}
+
+#[test]
+fn what_damping_stills_does_not_grow_and_what_nothing_damps_is_said_to_flutter() {
+    for torque in [0.01, 0.1, 0.5] {
+        let grows = |found: &Equilibrium| {
+            let stability = found.stability.as_ref().expect("a verdict");
+            (stability.verdict, stability.modes.iter().any(|mode| mode.growth_rate > 0.0))
+        };
+        let says_so = |found: &Equilibrium| found.notes.iter().any(|note| note.contains("flutter"));
+        let (still, fed) = (twisted(torque, 1.0), twisted(torque, 0.0));
+        assert_eq!((grows(&still), says_so(&still)), ((StabilityVerdict::Stable, false), false), "{torque}");
+        assert_eq!((grows(&fed), says_so(&fed)), ((StabilityVerdict::Unstable, true), true), "{torque}");
     }
 }
