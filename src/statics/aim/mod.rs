@@ -6,7 +6,15 @@
 //! y(u) = ŷ,      (dy/du) Δu = ŷ − y(u),      least |S⁻¹ Δu|                                   (1)
 //! ```
 //!
-//! with the sensitivities of the equilibrium, and an equilibrium searched for from the last one at every step. Steps are no longer than
+//! with the sensitivities of the equilibrium, and an equilibrium searched for from the last one at every step. As long as steps bring the
+//! outputs much nearer, the next one takes the sensitivities of the last, changed by what it has taught (Broyden's rank-one update,
+//! 1965; Nocedal & Wright, *Numerical Optimization*, 11.1):
+//!
+//! ```text
+//! J⁺ = J + (y(u + s) − y(u) − J s) sᵀ / sᵀs                         (2)
+//! ```
+//!
+//! Steps are no longer than
 //! a radius that follows how well they keep what (1) promises, and keep lengths, masses and stiffnesses within what they can be (see
 //! `bounded`). `S` and the units of the outputs are the scene's own, as in `inverse`. The answer is the
 //! equilibrium of a scene that is built with the numbers, and proved as every other; how far its outputs are from the aim is told.
@@ -50,6 +58,8 @@ const GOOD: f64 = 0.75;
 const FACTOR: f64 = 4.0;
 /// The first radius: every number by as much as its unit.
 const FIRST_RADIUS: f64 = 1.0;
+/// A step that leaves less than this part of a miss is followed by one with sensitivities by (2).
+const TEACHES: f64 = 0.1;
 /// Outputs that change by so many times what (1) says have jumped to another equilibrium.
 const JUMP: f64 = 10.0;
 /// Part of the way to its bound that a number goes in one step: a body without mass has no motion.
@@ -192,12 +202,20 @@ impl Search<'_> {
     fn go(&self, mut now: Stand) -> InverseAnswer {
         let (mut trouble, radius) = (None, FIRST_RADIUS * (self.scales.len() as f64).sqrt());
         let mut trust = Trust { radius, ends: false };
+        let mut taught: Option<Mat<f64>> = None;
         for _ in 0..MOST_STEPS {
             if now.is_within(ROUND_OFF) || !(self.go_on)() {
                 break;
             }
-            match self.slopes(&now).and_then(|slopes| self.step(&now, &slopes, &mut trust)) {
-                Ok(next) => now = next,
+            let was_taught = taught.is_some();
+            let slopes = taught.take().map_or_else(|| self.slopes(&now), Ok);
+            match slopes.and_then(|slopes| self.step(&now, slopes, &mut trust)) {
+                Ok((next, slopes)) => {
+                    taught = (next.size() < TEACHES * now.size()).then_some(slopes);
+                    now = next;
+                }
+                // With its own sensitivities, then.
+                Err(_) if was_taught && !now.is_within(AIMED) => {}
                 Err(why) => {
                     trouble = Some(why);
                     break;
@@ -263,12 +281,12 @@ impl Search<'_> {
         self.sought.unknown.iter().zip(&self.scales).map(of).collect()
     }
 
-    /// The step within the radius, which shrinks until it brings the outputs nearer; or why there is none.
-    fn step(&self, now: &Stand, slopes: &Mat<f64>, trust: &mut Trust) -> Result<Stand, String> {
+    /// The step within the radius, which shrinks until it brings the outputs nearer, and the slopes with (2); or why there is none.
+    fn step(&self, now: &Stand, mut slopes: Mat<f64>, trust: &mut Trust) -> Result<(Stand, Mat<f64>), String> {
         let (mut why, low) = (String::new(), self.low(now));
         let trials = if now.is_within(AIMED) { 1 } else { MOST_TRIALS };
         for trial in 0..trials {
-            let Some(step) = bounded::step(slopes, &now.miss, &low, trust.radius, RANK) else {
+            let Some(step) = bounded::step(&slopes, &now.miss, &low, trust.radius, RANK) else {
                 return Err("its sensitivities are not finite".to_owned());
             };
             let length = step.s.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -288,7 +306,8 @@ impl Search<'_> {
                     }
                     if part >= DECREASE {
                         trust.ends &= trial > 0;
-                        return Ok(next);
+                        learn(&mut slopes, &step.s, &now.miss, &next.miss);
+                        return Ok((next, slopes));
                     }
                     let moved = next.miss.iter().zip(&now.miss).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
                     trust.ends |= moved > JUMP * step.moves;
@@ -333,6 +352,16 @@ impl Search<'_> {
         let ends = found.balanced && is_unstable(&found);
         let why = format!("no equilibrium on the way: {notes}");
         self.stand(description, scene, model, found).ok_or(Refused { why, ends })
+    }
+}
+
+/// (2), in units of the outputs and numbers.
+fn learn(slopes: &mut Mat<f64>, s: &[f64], before: &[f64], after: &[f64]) {
+    let square: f64 = s.iter().map(|x| x * x).sum();
+    for i in 0..before.len() {
+        let told: f64 = s.iter().enumerate().map(|(j, x)| slopes[(i, j)] * x).sum();
+        let untold = (after[i] - before[i] - told) / square;
+        s.iter().enumerate().for_each(|(j, x)| slopes[(i, j)] += untold * x);
     }
 }
 
