@@ -47,6 +47,8 @@ pub(super) fn json(beams: &[BeamState]) -> Value {
             "deflection_error": beam.error.deflections,
             "elements": beam.error.elements,
             "elements_advised": beam.error.elements_for(ENOUGH),
+            "elements_advised_at_least": !beam.error.is_asymptotic(),
+            "largest_turn": beam.error.turn,
             "strains": beam.strains,
         });
         (beam.name.clone(), value)
@@ -106,9 +108,11 @@ fn stress_text(s: f64, stress: &Stress) -> String {
 fn error_text(error: &Discretization) -> String {
     let elements = |n: usize| count(n, "element", "elements");
     let advised = error.elements_for(ENOUGH);
-    let advice = match advised <= error.elements {
-        true => format!("{} would have 1e-3 of the forces", elements(advised)),
-        false => format!("{} are needed for 1e-3 of the forces", elements(advised)),
+    let advice = match (error.is_asymptotic(), advised <= error.elements) {
+        (true, true) => format!("{} would have 1e-3 of the forces", elements(advised)),
+        (true, false) => format!("{} are needed for 1e-3 of the forces", elements(advised)),
+        (false, true) => "too few to say how many have 1e-3 of the forces".to_owned(),
+        (false, false) => format!("at least {} are needed for 1e-3 of the forces", elements(advised)),
     };
     format!(
         "{} of the section forces, {} of deflections, by {}; {advice}",

@@ -128,6 +128,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "positions": by_hinge(model, &found.position, true),
         "bodies": poses(model, &found.poses),
         "stability": stability.map(|s| s.verdict.name()),
+        "stability_supposes": stability.and_then(|s| s.supposes),
         "unstable_directions": stability.map(|s| s.unstable_directions),
         "neutral_directions": stability.map(|s| s.neutral_directions),
         "frequencies_hz": frequencies,
@@ -276,7 +277,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         },
         "beams": beams,
         "modal": modals::json(model, position, &summary.poses),
-        "notes": unknown.into_iter().chain(text::doubt(model, summary)).collect::<Vec<_>>(),
+        "notes": unknown.into_iter().chain(text::doubt(model, summary)).chain(text::wound(summary)).collect::<Vec<_>>(),
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })

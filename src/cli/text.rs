@@ -8,7 +8,7 @@ use crate::constraint::Assembly;
 use crate::contact::support;
 use crate::model::{Body, Model, Output};
 use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
-pub(super) use ended::{doubt, run, verified};
+pub(super) use ended::{doubt, run, verified, wound};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -68,7 +68,9 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
             (format!("aim missed, {} equilibrium", stability.verdict.name()), false)
         }
         (Some(stability), true) => {
-            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != StabilityVerdict::Unstable)
+            let if_so = stability.supposes.map_or(String::new(), |what| format!(" if {what}"));
+            let text = format!("{} equilibrium{if_so}", stability.verdict.name());
+            (text, stability.verdict != StabilityVerdict::Unstable)
         }
         _ if found.stage == "given" => ("the pose does not stand".to_owned(), false),
         _ => ("no equilibrium found".to_owned(), false),

@@ -1,16 +1,18 @@
 //! What flexible beams bear: section forces along them, from the balance and from their strains, and the stress that they make.
 
 mod diagram;
+mod locked;
 mod section;
 
 pub use diagram::DiagramPoint;
+pub(crate) use locked::LockedStrain;
 
 use super::evaluated::Balanced;
 use crate::element::stress::Stress;
 use crate::model::Beam;
-use crate::model::beam::BeamElement;
+use crate::model::beam::{BeamElement, MUCH_TURN, Wound};
 use crate::spatial::Pose;
-use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
 /// The forces in one section, in its axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,13 +69,28 @@ pub struct Discretization {
     pub elements: usize,
     /// Degree of their strains.
     pub degree: usize,
+    /// The most that an element turns by (rad).
+    pub turn: f64,
 }
 
+/// Up to this error by (2), a fifth of the whole in the norm of energy, errors fall as their leading term does.
+const ASYMPTOTIC: f64 = 0.05;
+
+/// An error of section forces below this is rounding.
+const EXACT: f64 = 1e-9;
+
 impl Discretization {
-    /// How many elements have an error of the section forces of a given size, if it falls as (1) says.
+    /// How many elements have an error of the section forces of a given size, if it falls as (1) says: if it is not
+    /// [asymptotic](Self::is_asymptotic), at least so many are needed.
     pub fn elements_for(&self, forces: f64) -> usize {
-        let factor = (self.forces / forces).powf(1.0 / (self.degree + 1) as f64);
-        ((self.elements as f64 * factor).ceil() as usize).max(1)
+        let falls = (self.forces / forces).powf(1.0 / (self.degree + 1) as f64);
+        let turns = if self.is_asymptotic() { 0.0 } else { self.turn / MUCH_TURN };
+        ((self.elements as f64 * falls.max(turns)).ceil() as usize).max(1)
+    }
+
+    /// Whether the errors are so small that they fall as (1) and (2) say.
+    pub fn is_asymptotic(&self) -> bool {
+        self.forces < EXACT || (self.turn <= MUCH_TURN && self.deflections <= ASYMPTOTIC)
     }
 }
 
@@ -90,6 +107,36 @@ impl Balanced<'_> {
     /// All beams, for the accelerations of the balance.
     pub fn beams(&self) -> Vec<BeamState> {
         self.system.model.beams.iter().map(|beam| self.beam(beam)).collect()
+    }
+
+    /// The beams with elements that turn by more than 1.5 rad, each with the error of its deflections over its length as (2) estimates
+    /// it: what has no bending stiffness has none, and (2) says nothing of it.
+    pub(crate) fn wound(&self, q: &[f64]) -> Vec<(Wound, f64)> {
+        let beams = self.system.model.beams.iter();
+        let wound = self.system.model.wound(q).into_iter().filter_map(|wound| {
+            let beam = beams.clone().find(|beam| beam.name == wound.beam)?;
+            let rods = beam.elements.iter().map(|element| &self.system.model.rods[element.rod]);
+            let bends = rods.into_iter().any(|rod| rod.sections.iter().any(|of| of[(4, 4)] != 0.0));
+            let error = self.beam(beam).error.deflections * self.deflection(beam) / beam.length;
+            Some((wound, if bends { error } else { 0.0 }))
+        });
+        wound.collect()
+    }
+
+    /// How far the ends of elements are from where they are without strain, at most, seen from the root (m).
+    fn deflection(&self, beam: &Beam) -> f64 {
+        let (model, motion) = (&self.system.model, &self.system.motion);
+        let Some(first) = beam.elements.first() else { return 0.0 };
+        let root = motion.rods[first.rod].stations[0].link.pose();
+        let (mut turn, mut place, mut most) = (Matrix3::identity(), Vector3::zeros(), 0.0_f64);
+        for element in &beam.elements {
+            let rod = &model.rods[element.rod];
+            let (r, p) = rod.pose_at(rod.length, &vec![0.0; rod.count()]);
+            (turn, place) = (turn * r, place + turn * p);
+            let reached = root.inverse() * motion.links[element.link].pose();
+            most = most.max((reached.translation.vector - place).norm());
+        }
+        most
     }
 
     /// How long the centre line of a beam is now (m).
@@ -127,11 +174,16 @@ impl Balanced<'_> {
         // Forces and moments by one measure: a force over the length of the beam is a moment.
         let size = largest(3).max(beam.length * largest(0));
         let part = |of: f64, whole: f64| if whole > 0.0 { of / whole } else { 0.0 };
+        let turns = beam
+            .elements
+            .iter()
+            .map(|element| system.model.rods[element.rod].winding(&system.motion.rods[element.rod].q));
         let error = Discretization {
             forces: part(gaps.most[1].max(beam.length * gaps.most[0]), size),
             deflections: part(gaps.energies[0], gaps.energies[1]),
             elements: beam.elements.len(),
             degree: beam.degree,
+            turn: turns.fold(0.0, f64::max),
         };
         let tip = beam.elements.last().map_or(Pose::identity(), |last| system.motion.links[last.link].pose());
         let strains = beam.elements.iter().map(|element| system.motion.rods[element.rod].q.clone()).collect();

@@ -29,6 +29,7 @@ mod reactions;
 mod sparse;
 mod tangent;
 
+pub(crate) use beams::LockedStrain;
 pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
 pub use constrained::Settled;
 pub use dense::Dense;

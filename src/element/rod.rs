@@ -230,12 +230,22 @@ impl Rod {
 
     /// The length of the centre line with these strains (m).
     pub fn stretched(&self, q: &[f64]) -> f64 {
-        let length_at = |(t, w): (f64, f64)| {
+        self.integral(q, |strain| strain.fixed_rows::<3>(0).norm())
+    }
+
+    /// How far its sections turn along it with these strains, what turns back counted, too (rad).
+    pub fn winding(&self, q: &[f64]) -> f64 {
+        self.integral(q, |strain| strain.fixed_rows::<3>(3).norm())
+    }
+
+    /// The integral of something that follows from the strain of eq. (1).
+    fn integral(&self, q: &[f64], of: impl Fn(&Vector6<f64>) -> f64) -> f64 {
+        let part = |(t, w): (f64, f64)| {
             let s = 0.5 * self.length * (1.0 + t);
             let reference: Vector6<f64> = self.reference.iter().zip(legendre(t)).map(|(of, p)| p * of).sum();
-            0.5 * w * self.length * (reference + self.strained(s, q)).fixed_rows::<3>(0).norm()
+            0.5 * w * self.length * of(&(reference + self.strained(s, q)))
         };
-        GAUSS.into_iter().map(length_at).sum()
+        GAUSS.into_iter().map(part).sum()
     }
 
     /// The largest angle that one of the steps turns by, and that the whole element does (rad).

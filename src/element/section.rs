@@ -42,8 +42,17 @@ pub struct Material {
     pub density: f64,
 }
 
-/// Shear correction of a disc, of a thin ring, and of a rectangle (Cowper 1966 for Poisson's ratio 0.3; Reissner).
-const SHEAR: [f64; 3] = [0.9, 0.5, 5.0 / 6.0];
+/// Shear correction of a disc (Timoshenko 1921; Cowper has 0.886 for Poisson's ratio 0.3), and of a rectangle (Reissner 1945).
+const OF_DISC: f64 = 0.9;
+const OF_RECTANGLE: f64 = 5.0 / 6.0;
+
+/// Shear correction of a ring by Poisson's ratio (Cowper 1966, The shear coefficient in
+/// Timoshenko's beam theory, table 1).
+fn shear_of_ring(outer: f64, inner: f64, poisson: f64) -> f64 {
+    let m = (inner / outer).powi(2);
+    let whole = (1.0 + m).powi(2);
+    6.0 * (1.0 + poisson) * whole / ((7.0 + 6.0 * poisson) * whole + (20.0 + 12.0 * poisson) * m)
+}
 
 /// Terms of the series of a rectangle's torsion: the fifth powers of the odd numbers leave less than 10⁻⁹ after these.
 const TERMS: usize = 40;
@@ -59,24 +68,32 @@ fn rectangle_torsion(width: f64, height: f64) -> f64 {
 }
 
 impl Section {
-    /// Area (m²), second moments about y and z and the torsion constant (m⁴), and the shear correction; `None` of a stiffness.
-    pub fn geometry(&self) -> Option<[f64; 5]> {
+    /// Area (m²), second moments about y and z and the torsion constant (m⁴); `None` of a stiffness.
+    pub fn geometry(&self) -> Option<[f64; 4]> {
         match *self {
             Self::Circle { radius } => {
                 let second = PI / 4.0 * radius.powi(4);
-                Some([PI * radius * radius, second, second, 2.0 * second, SHEAR[0]])
+                Some([PI * radius * radius, second, second, 2.0 * second])
             }
             Self::Tube { outer, inner } => {
                 let second = PI / 4.0 * (outer.powi(4) - inner.powi(4));
-                let solid = inner / outer;
-                let shear = SHEAR[0] + (SHEAR[1] - SHEAR[0]) * solid;
-                Some([PI * (outer * outer - inner * inner), second, second, 2.0 * second, shear])
+                Some([PI * (outer * outer - inner * inner), second, second, 2.0 * second])
             }
             Self::Rectangle { width, height } => {
                 let moments = [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0];
-                Some([width * height, moments[0], moments[1], rectangle_torsion(width, height), SHEAR[2]])
+                Some([width * height, moments[0], moments[1], rectangle_torsion(width, height)])
             }
             Self::Stiffness(_) => None,
+        }
+    }
+
+    /// The part of the area that bears shear evenly, for Poisson's ratio; of a stiffness all of it.
+    fn shear_correction(&self, poisson: f64) -> f64 {
+        match *self {
+            Self::Circle { .. } => OF_DISC,
+            Self::Tube { outer, inner } => shear_of_ring(outer, inner, poisson),
+            Self::Rectangle { .. } => OF_RECTANGLE,
+            Self::Stiffness(_) => 1.0,
         }
     }
 
@@ -86,9 +103,9 @@ impl Section {
             (Self::Stiffness(stiffness), _, _) => {
                 RodSection { stiffness: *stiffness, mass: 0.0, rotary: Vector3::zeros() }
             }
-            (_, Some([area, y, z, torsion, shear]), Some(material)) => {
+            (_, Some([area, y, z, torsion]), Some(material)) => {
                 let (e, g) = (material.young, material.young / (2.0 * (1.0 + material.poisson)));
-                let sheared = shear * g * area;
+                let sheared = self.shear_correction(material.poisson) * g * area;
                 let diagonal = Vector6::new(e * area, sheared, sheared, g * torsion, e * y, e * z);
                 let rotary = material.density * Vector3::new(y + z, y, z);
                 RodSection { stiffness: Matrix6::from_diagonal(&diagonal), mass: material.density * area, rotary }
@@ -117,6 +134,18 @@ impl Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Cowper's values for Poisson's ratio 0.3: a disc, a tube of half its radius, a thin ring; and Timoshenko's 6/7 and 1/2 without
+    /// contraction.
+    #[test]
+    fn shear_of_discs_and_tubes() {
+        let of = |inner: f64, poisson: f64| shear_of_ring(1.0, inner, poisson);
+        for (inner, poisson, known) in
+            [(0.0, 0.3, 7.8 / 8.8), (0.5, 0.3, 0.6202), (1.0, 0.3, 2.6 / 4.9), (0.0, 0.0, 6.0 / 7.0), (1.0, 0.0, 0.5)]
+        {
+            assert!((of(inner, poisson) - known).abs() < 5e-5, "{} and not {known}", of(inner, poisson));
+        }
+    }
 
     /// Torsion constants of rectangles 1:1, 2:1 and 10:1 over a b³ (Timoshenko and Goodier, Theory of Elasticity, table 7).
     #[test]

@@ -58,7 +58,7 @@ const TERMS: usize = 40;
 impl Section {
     /// The largest stress that section forces (N, N m; as in [`crate::element`]) make; `None` of a stiffness, which has no size.
     pub fn stress(&self, forces: &Vector6<f64>) -> Option<Stress> {
-        let [area, second_y, second_z, torsion, _] = self.geometry()?;
+        let [area, second_y, second_z, torsion] = self.geometry()?;
         let [n, qy, qz, t, my, mz] = <[f64; 6]>::from(*forces);
         match *self {
             Self::Circle { radius } => {
@@ -218,7 +218,7 @@ mod tests {
         let section = Section::Rectangle { width: 0.01, height: 0.03 };
         let forces = Vector6::new(0.0, 0.0, 200.0, 3.0, 12.0, 0.6);
         let found = section.stress(&forces).expect("a size");
-        let [_, about_y, about_z, torsion, _] = section.geometry().expect("a size");
+        let [_, about_y, about_z, torsion] = section.geometry().expect("a size");
         // On the upper side, where bending about y is largest.
         let at = |y: f64| {
             let sigma = forces[4] * 0.015 / about_y - forces[5] * y / about_z;

@@ -6,6 +6,8 @@
 mod cable;
 mod check;
 mod expand;
+mod locked;
+mod wound;
 
 pub(super) use cable::lay;
 pub(super) use check::check;
@@ -16,6 +18,8 @@ use crate::element::guide::{Guide, GuideCurve, GuideFlaw};
 pub use crate::element::section::{Material, Section};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use std::sync::Arc;
+pub(crate) use wound::MUCH_TURN;
+pub use wound::Wound;
 
 /// A flexible beam on a hinge: it runs along the x axis of its root.
 #[derive(Debug, Clone, PartialEq)]

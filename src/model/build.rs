@@ -67,10 +67,11 @@ fn build_expanded(description: &Description, whole: Option<&Expanded>) -> Result
     problems.extend(contact::check(description));
     problems.extend(hinge_curve::check(description));
     let names = index_names(description, &mut problems);
+    let markers = Markers::of(description);
     let parents = resolve_parents(description, &names, &mut problems);
-    let (parents, hinge_points) = hinge_points(description, whole, parents, &mut problems);
+    let (parents, hinge_points) = hinge_points(description, whole, &markers, parents, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
-    let mut places = Places { description, names: &names, whole, problems: &mut problems };
+    let mut places = Places { description, names: &names, markers: &markers, whole, problems: &mut problems };
     let (force_places, loop_places) = (force_places(description, &mut places), loop_places(description, &mut places));
     let (watched, asked) = (event_places(description, &mut places), output_places(description, &mut places));
     if !problems.is_empty() {
@@ -199,21 +200,43 @@ fn report_cycles(
     }
 }
 
-/// Where a point of a body is, or the problem that it has no such marker.
-fn point_on(
-    body: Option<&BodyDescription>,
-    point: &Point,
-    element: Element,
-    field: &str,
-) -> Result<Vector3<f64>, Problem> {
-    let name = match point {
-        Point::At(at) => return Ok(*at),
-        Point::Marker(name) => name,
-    };
-    let markers = body.map_or(&[][..], |body| &body.markers);
-    if let Some((_, at)) = markers.iter().find(|(marker, _)| marker == name) {
-        return Ok(*at);
+/// The markers of all bodies by their names.
+struct Markers<'d> {
+    description: &'d Description,
+    at: HashMap<(usize, &'d str), Vector3<f64>>,
+}
+
+impl<'d> Markers<'d> {
+    fn of(description: &'d Description) -> Self {
+        let mut at = HashMap::new();
+        for (index, body) in description.bodies.iter().enumerate() {
+            for (marker, place) in &body.markers {
+                at.entry((index, marker.as_str())).or_insert(*place);
+            }
+        }
+        Self { description, at }
     }
+
+    /// Where a point of a body is, or the problem that it has no such marker.
+    fn point_on(
+        &self,
+        body: Option<usize>,
+        point: &Point,
+        element: Element,
+        field: &str,
+    ) -> Result<Vector3<f64>, Problem> {
+        let name = match point {
+            Point::At(at) => return Ok(*at),
+            Point::Marker(name) => name,
+        };
+        let found = body.and_then(|body| self.at.get(&(body, name.as_str())));
+        let body = body.map(|index| &self.description.bodies[index]);
+        found.copied().ok_or_else(|| no_marker(body, name, element, field))
+    }
+}
+
+fn no_marker(body: Option<&BodyDescription>, name: &str, element: Element, field: &str) -> Problem {
+    let markers = body.map_or(&[][..], |body| &body.markers);
     let owner = body.map_or(GROUND, |body| body.name.as_str());
     let near = suggest::closest(name, markers.iter().map(|(marker, _)| marker.as_str()));
     let help = match (near, markers.is_empty()) {
@@ -225,13 +248,14 @@ fn point_on(
         }
     };
     let message = format!("`{owner}` has no marker `{name}`");
-    Err(Problem { element, field: field.to_owned(), message, help: Some(help) })
+    Problem { element, field: field.to_owned(), message, help: Some(help) }
 }
 
 /// The bodies that carry the hinges, of a beam the right one of its bodies, and where these are on them.
 fn hinge_points(
     description: &Description,
     whole: Option<&Expanded>,
+    markers: &Markers<'_>,
     parents: Vec<Option<usize>>,
     problems: &mut Vec<Problem>,
 ) -> (Vec<Option<usize>>, Vec<Vector3<f64>>) {
@@ -240,17 +264,14 @@ fn hinge_points(
             return (None, Vector3::zeros());
         }
         // An element's own hinge is at the root of a beam, and so is the weld of one that does not begin along x.
-        let is_own = whole.is_some_and(|whole| {
-            whole.rods.contains_key(&index)
-                || whole.beams.iter().any(|beam| beam.is_welded(index))
-                || whole.is_modal(index)
-        });
+        let is_own = whole
+            .is_some_and(|whole| whole.rods.contains_key(&index) || whole.is_welded(index) || whole.is_modal(index));
         let on_beam = whole.filter(|_| !is_own).and_then(|whole| whole.place(&body.hinge.parent, &body.hinge.at));
         if let Some((parent, at)) = on_beam {
             return (Some(parent), at);
         }
-        let parent = parents[index].map(|parent| &description.bodies[parent]);
-        let at = point_on(parent, &body.hinge.at, Element::Body(index), "hinge.at").unwrap_or_else(|problem| {
+        let at = markers.point_on(parents[index], &body.hinge.at, Element::Body(index), "hinge.at");
+        let at = at.unwrap_or_else(|problem| {
             problems.push(problem);
             Vector3::zeros()
         });
@@ -266,6 +287,7 @@ pub(super) type Place = (Option<usize>, Vector3<f64>);
 pub(super) struct Places<'a> {
     description: &'a Description,
     names: &'a HashMap<&'a str, usize>,
+    markers: &'a Markers<'a>,
     whole: Option<&'a Expanded>,
     problems: &'a mut Vec<Problem>,
 }
@@ -289,7 +311,7 @@ impl Places<'_> {
                 }
             },
         };
-        match point_on(body.map(|index| &self.description.bodies[index]), &attachment.point, element, field) {
+        match self.markers.point_on(body, &attachment.point, element, field) {
             Ok(at) if at.iter().all(|x| x.is_finite()) => (body, at),
             Ok(_) => {
                 let message = "a point has a coordinate that is not finite".to_owned();

@@ -99,9 +99,7 @@ impl<'a> Tree<'a> {
             link,
             link_from_body,
             is_element: rod.is_some() || modal.is_some_and(|joint| joint.is_flex()),
-            is_inner: rod.is_some()
-                || modal.is_some()
-                || self.whole.is_some_and(|whole| whole.beams.iter().any(|beam| beam.is_welded(index))),
+            is_inner: rod.is_some() || modal.is_some() || self.whole.is_some_and(|whole| whole.is_welded(index)),
             mass: given.mass,
             markers: given.markers.clone(),
             shapes: given.shapes.clone(),

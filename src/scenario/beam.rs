@@ -5,6 +5,7 @@ use super::findings::Finding;
 use super::force::between;
 use super::hinge::hinge;
 use super::reader::{Reader, numbers, only, rows};
+use crate::model::beam::MUCH_TURN;
 use crate::model::description::{
     BeamDescription, BeamShape, FarEnd, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
 };
@@ -138,19 +139,16 @@ fn free(table: &Reader<'_>) -> Option<FreeStrains> {
     Some(FreeStrains { bend: has("bend"), twist: has("twist"), stretch: has("stretch"), shear: has("shear") })
 }
 
-/// An element that turns by more than this without strain is worth another one (rad): the error grows with the fifth power.
-const MUCH: f64 = 1.5;
-
 /// Elements that are further from their points than this part of the length are worth a word.
 const STRAY: f64 = 1e-3;
 
 fn warn_of_turns(table: &Reader<'_>, beam: &BeamDescription) {
     // Numbers that no beam can have are errors of their own.
     let each = if (1..=100_000).contains(&beam.elements) { beam.most_turn() } else { 0.0 };
-    if each > MUCH && each.is_finite() {
+    if each > MUCH_TURN && each.is_finite() {
         let message = format!("beam `{}` turns by {each:.2} rad in an element", beam.name);
-        let needed = (each * beam.elements as f64 / MUCH).ceil();
-        let help = format!("{needed} elements turn by no more than {MUCH} rad each");
+        let needed = (each * beam.elements as f64 / MUCH_TURN).ceil();
+        let help = format!("{needed} elements turn by no more than {MUCH_TURN} rad each");
         table.findings.push(Finding::warning(table.span_of("elements"), message).help(help));
         return;
     }

@@ -1,9 +1,10 @@
-//! Numbers that are allowed and hardly meant: slips of the unit. Each is a warning with its place, the reason and the likely conversion; nothing
+//! Numbers that are allowed and hardly meant: slips of the unit, and strains that beams leave out. Each is a warning with its place, the reason and the likely conversion; nothing
 //! is changed. A number whose unit is written beside it (`"720 deg"`) is taken at its word.
 //!
 //! Rather no warning than a wrong one: whatever a scene may have meant is not told.
 
 mod angles;
+mod beams;
 mod gravity;
 mod lengths;
 mod springs;
@@ -14,6 +15,7 @@ use super::quantities::Numbers;
 use super::reader::Reader;
 use crate::hinge::HingeKind;
 use crate::model::Description;
+use lengths::Lengths;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -47,9 +49,10 @@ pub(super) fn check(document: &DeTable<'_>, description: &Description, numbers: 
     let scene = Scene { document, description, numbers, findings, told: RefCell::default() };
     gravity::check(&scene);
     angles::check(&scene);
-    let lengths = lengths::all(&scene);
+    let lengths = Lengths::new(&scene);
     springs::check(&scene, &lengths);
     lengths::check(&scene, &lengths);
+    beams::check(&scene);
     check_stages(&scene);
 }
 

@@ -30,6 +30,7 @@ use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::problem::Motion;
 use crate::simulate::run::{Summary, run_one};
 use crate::simulate::samples::ledger::Booked;
+use crate::simulate::samples::sampler::keep_worst;
 use crate::simulate::samples::scene::of_structure;
 use crate::simulate::settings::{Resume, Settings, Start};
 use crate::simulate::state::State;
@@ -359,6 +360,7 @@ fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> S
         }
     }
     total.statistics.add(&done.statistics);
+    keep_worst(&mut total.wound, done.wound.iter().cloned());
     let choice = done.choice.clone().or(total.choice);
     Summary {
         events: total.events,
@@ -369,6 +371,7 @@ fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> S
         impacts: total.impacts + done.impacts,
         capture_steps: total.capture_steps + done.capture_steps,
         samples: total.samples + done.samples,
+        wound: total.wound,
         wall: total.wall + done.wall,
         choice,
         ..done

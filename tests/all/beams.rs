@@ -3,6 +3,7 @@
 mod bearing;
 mod cables;
 mod closed;
+mod coarse;
 mod reference;
 mod scenes;
 mod standing;

@@ -1,4 +1,4 @@
-//! Slips of the unit: what is warned of, with which conversion, and what is not.
+//! Slips of the unit, and strains that beams leave out: what is warned of, with which conversion, and what is not.
 
 use crate::common::Random;
 use crate::scenarios;
@@ -299,6 +299,117 @@ fn ordinary_scenes_of_many_sizes_are_not_suspected() {
     }
 }
 
+/// A beam on the ground with these keys beside its length and its section.
+fn beam(length: f64, young: f64, keys: &str) -> String {
+    format!(
+        "[[beam]]\nname = \"b\"\nlength = {length:?}\nsection = {{ circle = {:?} }}\n\
+         material = {{ young = {young:e}, density = 1000.0 }}\n{keys}\n",
+        0.01 * length
+    )
+}
+
+/// A strain that a beam leaves out is told if its own weight, what it carries or what pulls at it would make much of it; and not if the
+/// strain is free or the material stiff.
+#[test]
+fn strains_that_are_left_out_are_told_where_they_would_be_large() {
+    let random = &mut Random::new(11);
+    for _ in 0..20 {
+        let (length, strain) = (10f64.powf(random.between(-1.0, 2.0)), 10f64.powf(random.between(-2.5, -1.0)));
+        // ρ g L/E, or P/EA.
+        let of_weight = 1000.0 * 9.80665 * length / strain;
+        let area = std::f64::consts::PI * (0.01 * length).powi(2);
+        let load = |strain: f64| {
+            let force = 1e11 * area * strain;
+            format!("[[force]]\ntype = \"load\"\non = \"b.tip\"\nforce = [0.0, 0.0, {force:e}]\n")
+        };
+        let fixed = "hinge = { type = \"fixed\" }";
+        let stretches = "hinge = { type = \"fixed\" }\nfree = [\"bend\", \"stretch\"]";
+        for (young, keys, more) in [(of_weight, fixed, String::new()), (1e11, fixed, load(strain))] {
+            let said = warnings(&(beam(length, young, keys) + &more));
+            assert!(said.contains("leaves out stretch") && said.contains("\"stretch\"]"), "{strain}: {said}");
+            assert_eq!(warnings(&(beam(length, young, stretches) + &more)), "");
+        }
+        assert_eq!(warnings(&(beam(length, 1e11, fixed) + &load(1e-4))), "");
+    }
+    // A block that shears.
+    let block = "[[beam]]\nname = \"b\"\nlength = 0.2\nsection = { rectangle = [0.1, 0.1] }\n\
+                 material = { young = 1e6, density = 1000.0 }\nhinge = { type = \"fixed\" }\nfree = [\"bend\", \"stretch\"]\n\
+                 [[force]]\ntype = \"load\"\non = \"b.tip\"\nforce = [0.0, 0.0, -50.0]\n";
+    told_once(block, &["leaves out shear", "`free = [\"bend\", \"stretch\", \"shear\"]`", "scene.toml:7:"]);
+}
+
+/// Both ends clamped and no twist: of beams whose tips a fixed loop holds, and of cables.
+#[test]
+fn twist_that_is_locked_between_clamped_ends_is_told() {
+    let closed = "[[loop]]\ntype = \"fixed\"\nbetween = [\"b.tip\", { body = \"ground\", at = [1.0, 0.0, 0.0] }]\n";
+    let clamped = |free: &str| beam(1.0, 1e11, &format!("hinge = {{ type = \"fixed\" }}\nfree = {free}"));
+    told_once(
+        &(clamped("[\"bend\"]") + closed),
+        &["does not twist", "`free = [\"bend\", \"twist\"]`", "scene.toml:7:8"],
+    );
+    assert_eq!(warnings(&(clamped("[\"bend\", \"twist\"]") + closed)), "");
+    assert_eq!(warnings(&(clamped("[\"bend\"]") + &closed.replace("fixed", "spherical"))), "");
+    let swings = beam(1.0, 1e11, "hinge = { type = \"spherical\" }\nfree = [\"bend\"]");
+    assert_eq!(warnings(&(swings + closed)), "");
+    let cable = |ends: &str, free: &str| {
+        format!(
+            "[[cable]]\nname = \"c\"\nbetween = [\"ground\", {{ body = \"ground\", at = [1.0, 0.0, 0.0] }}]\nlength = 1.02\n\
+             ends = {ends}\n{free}section = {{ circle = 0.005 }}\nmaterial = {{ young = 1e11, density = 7800.0 }}\n"
+        )
+    };
+    let both = "[\"fixed\", \"fixed\"]";
+    told_once(&cable(both, ""), &["`c` is clamped at both ends", "\"twist\"", "scene.toml:5:8"]);
+    assert_eq!(warnings(&cable(both, "free = [\"bend\", \"twist\", \"stretch\"]\n")), "");
+    assert_eq!(warnings(&cable("[\"fixed\", \"spherical\"]", "")), "");
+}
+
+/// A scene of four times as many springs, or slides in a row, or beams, takes four times as long to read, not sixteen times.
+#[test]
+fn the_time_of_a_check_is_proportional_to_the_scene() {
+    let hub =
+        "[[body]]\nname = \"hub\"\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\nhinge = { type = \"free\" }\n".to_owned();
+    let springs = |count: usize| {
+        let spring = |k: usize| {
+            format!(
+                "[[force]]\ntype = \"spring\"\nbetween = [\"hub\", {{ body = \"ground\", at = [{:?}, 1.0, 2.0] }}]\nstiffness = 1.0\nlength = 1.5\n",
+                1.0 + k as f64 / count as f64
+            )
+        };
+        hub.clone() + &(0..count).map(spring).collect::<String>()
+    };
+    let slides = |count: usize| {
+        let slide = |k: usize| {
+            let parent = if k == 0 { "ground".to_owned() } else { format!("s{}", k - 1) };
+            format!(
+                "[[body]]\nname = \"s{k}\"\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\n\
+                 hinge = {{ type = \"prismatic\", parent = \"{parent}\", axis = [0, 0, 1], stiffness = 1e6 }}\n"
+            )
+        };
+        (0..count).map(slide).collect::<String>()
+    };
+    let beams = |count: usize| {
+        let one = |k: usize| {
+            beam(1.0, 1e11, "elements = 1\nhinge = { type = \"fixed\" }").replace("\"b\"", &format!("\"b{k}\""))
+                + &format!("[[force]]\ntype = \"load\"\non = \"b{k}.tip\"\nforce = [0, 0, 1]\n")
+        };
+        (0..count).map(one).collect::<String>()
+    };
+    let kinds: [(&dyn Fn(usize) -> String, usize); 3] = [(&springs, 4000), (&slides, 3000), (&beams, 2000)];
+    for (scene, count) in kinds {
+        let time = |count: usize| {
+            let text = scene(count);
+            let once = || {
+                let begun = std::time::Instant::now();
+                assert_eq!(warnings(&text), "");
+                begun.elapsed().as_secs_f64()
+            };
+            (0..3).map(|_| once()).fold(f64::INFINITY, f64::min)
+        };
+        let (small, large) = (time(count), time(4 * count));
+        assert!(large < 8.0 * small, "{count}: {small} s, four times as many {large} s");
+    }
+}
+
 /// A stage whose time lies behind the end of the run is told where it is written, and one at its end is not.
 #[test]
 fn a_stage_after_the_end_is_told() {
@@ -328,6 +439,8 @@ fn shipped_scenes_are_not_suspected() {
             "times the weight",
             "own weight",
             "after the end of the run",
+            "leaves out",
+            "does not twist",
         ] {
             assert!(!said.contains(words), "{}: {said}", path.display());
         }

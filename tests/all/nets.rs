@@ -1,5 +1,6 @@
 //! Scenes of many far springs: the sparse tangent against the dense one.
 
+mod ladder;
 mod scenes;
 
 use crate::common::{Options, Random, build, random_scene, relative_difference};

@@ -99,6 +99,11 @@ fn energies(model: &Model, summary: &Summary) -> String {
     ) + &doubt(model, summary).map_or_else(String::new, |doubt| format!("\n  beware       {doubt}"))
 }
 
+/// What is said of beams whose elements turned by too much.
+pub(in crate::cli) fn wound(summary: &Summary) -> impl Iterator<Item = String> {
+    summary.wound.iter().map(|(time, wound)| format!("at {} s {}", number(*time), wound.note()))
+}
+
 /// The outputs that are told with a stage.
 fn told(summary: &Summary, stage: &str) -> String {
     let of_stage = summary.told.iter().filter(|(name, ..)| name == stage);
@@ -184,6 +189,9 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         );
     }
     let _ = writeln!(out, "  energy       {}", energies(model, summary));
+    for note in wound(summary) {
+        let _ = writeln!(out, "  note         {note}");
+    }
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
     let _ = write!(out, "  to see it    stillpoint view {recording}");
     out

@@ -1,9 +1,10 @@
 //! What a beam must satisfy.
 
-use super::{BeamDescription, BeamShape, Material, Section};
+use super::{BeamDescription, BeamShape, MUCH_TURN, Material, Section};
 use crate::budget::LARGEST;
 use crate::model::description::{Description, GROUND};
 use crate::model::problem::{Element, Problem, number};
+use std::collections::HashSet;
 use std::f64::consts::PI;
 
 /// Elements of one beam, at most.
@@ -37,9 +38,10 @@ impl Findings<'_> {
 /// Problems of all beams by themselves.
 pub(in crate::model) fn check(description: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
+    let mut names: HashSet<&str> = description.bodies.iter().map(|body| body.name.as_str()).collect();
     for (index, beam) in description.beams.iter().enumerate() {
         let mut found = Findings { problems: &mut problems, element: Element::Beam(index) };
-        check_name(&mut found, description, index, beam);
+        check_name(&mut found, &mut names, &beam.name);
         if check_shape(&mut found, beam) && check_elements(&mut found, beam) && check_sections(&mut found, beam) {
             check_turn(&mut found, beam);
             check_start(&mut found, beam);
@@ -66,13 +68,12 @@ fn check_start(found: &mut Findings<'_>, beam: &BeamDescription) {
     }
 }
 
-fn check_name(found: &mut Findings<'_>, description: &Description, index: usize, beam: &BeamDescription) {
-    let name = &beam.name;
+/// `taken`: the names of bodies, and of the beams before.
+fn check_name<'d>(found: &mut Findings<'_>, taken: &mut HashSet<&'d str>, name: &'d str) {
     if name.is_empty() || name == GROUND || name.contains('/') {
         found.add("name", format!("a beam cannot be called `{name}`"), "any other name without `/`");
     }
-    let others = description.beams[..index].iter().map(|other| &other.name);
-    if others.chain(description.bodies.iter().map(|body| &body.name)).any(|other| other == name) {
+    if !taken.insert(name) {
         found.add("name", format!("two bodies or beams are called `{name}`"), "names must be unique");
     }
 }
@@ -257,9 +258,9 @@ fn check_rest(found: &mut Findings<'_>, beam: &BeamDescription) {
 fn check_turn(found: &mut Findings<'_>, beam: &BeamDescription) {
     let per_element = beam.most_turn();
     if per_element > MOST_TURN {
-        let needed = (per_element * beam.elements as f64 / 1.5).ceil();
+        let needed = (per_element * beam.elements as f64 / MUCH_TURN).ceil();
         let message = format!("`{}` turns by {} rad in an element", beam.name, number(per_element));
-        found.add("elements", message, &format!("allowed: up to π, advised: 1.5; {needed} elements give that"));
+        found.add("elements", message, &format!("allowed: up to π, advised: {MUCH_TURN}; {needed} elements give that"));
         return;
     }
     let (strays, length) = (beam.strays(), beam.shape.length());

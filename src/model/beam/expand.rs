@@ -8,7 +8,7 @@ use crate::force::{Attachment, ForceDescription, Load};
 use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
 use crate::model::modal::{self, ModalBodies};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// A description with the bodies of its beams, and what else these are.
 #[derive(Debug)]
@@ -22,6 +22,12 @@ pub(in crate::model) struct Expanded {
     pub(in crate::model) rates: HashMap<usize, Vec<f64>>,
     /// One per beam.
     pub(in crate::model) beams: Vec<Bodies>,
+    /// Which beam has a name.
+    by_name: HashMap<String, usize>,
+    /// The bodies where the elements of beams begin and end, by their names: no description names these.
+    inner: HashMap<String, usize>,
+    /// Bodies where a first element begins, welded to the one on its hinge.
+    welded: HashSet<usize>,
     /// One per modal body.
     pub(in crate::model) modals: Vec<ModalBodies>,
 }
@@ -46,14 +52,12 @@ pub(in crate::model) struct Bodies {
 /// Distances nearer than this part of the length are one.
 const SAME: f64 = 1e-9;
 
-impl Bodies {
-    /// Whether a body is where its first element begins, welded to the one on its hinge.
-    pub(in crate::model) fn is_welded(&self, body: usize) -> bool {
-        body == self.begin && body != self.root
-    }
-}
-
 impl Expanded {
+    /// Whether a body is where the first element of a beam begins, welded to the one on its hinge.
+    pub(in crate::model) fn is_welded(&self, body: usize) -> bool {
+        self.welded.contains(&body)
+    }
+
     /// Whether a body is one that a modal body is taken apart into, beside that on its hinge.
     pub(in crate::model) fn is_modal(&self, body: usize) -> bool {
         self.modals.iter().any(|modal| modal.inner == body || modal.tips.contains(&body))
@@ -64,15 +68,10 @@ impl Expanded {
         if let Some(modal) = self.modals.iter().find(|modal| modal.name == body) {
             return modal.place(point);
         }
-        let Some(beam) = self.beams.iter().find(|beam| beam.name == body) else {
-            // A beam puts its own loads on bodies that no description names.
-            let inner = |beam: &Bodies| {
-                std::iter::once(beam.begin).chain(beam.tips.iter().map(|(tip, _)| *tip)).collect::<Vec<_>>()
-            };
-            let mut all = self.beams.iter().flat_map(inner);
+        let Some(beam) = self.by_name.get(body).map(|beam| &self.beams[*beam]) else {
+            // A beam puts its own loads on its inner bodies.
             let is_root = *point == Point::Marker("root".to_owned());
-            let of = all.find(|tip| is_root && self.description.bodies[*tip].name == body)?;
-            return Some((of, Vector3::zeros()));
+            return self.inner.get(body).filter(|_| is_root).map(|of| (*of, Vector3::zeros()));
         };
         let name = match point {
             Point::At(at) => return Some((beam.tips.last()?.0, *at)),
@@ -100,6 +99,9 @@ pub(in crate::model) fn expand(mut description: Description, shapes: &[Option<Sh
         strained: HashMap::new(),
         rates: HashMap::new(),
         beams: Vec::with_capacity(beams.len()),
+        by_name: HashMap::new(),
+        inner: HashMap::new(),
+        welded: HashSet::new(),
         modals,
     };
     for (beam, shape) in beams.iter().zip(shapes) {
@@ -188,6 +190,11 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
     let (name, markers, is_cable) = (beam.name.clone(), beam.markers.clone(), beam.far.is_some());
     let (degree, sections) = (beam.degree, beam.sections.clone());
+    let bodies = &expanded.description.bodies;
+    let inner = std::iter::once(begin).chain(tips.iter().map(|(tip, _)| *tip));
+    expanded.inner.extend(inner.map(|body| (bodies[body].name.clone(), body)));
+    expanded.welded.extend((begin != root).then_some(begin));
+    expanded.by_name.insert(name.clone(), expanded.beams.len());
     expanded.beams.push(Bodies { name, length, is_cable, degree, sections, root, begin, tips, markers });
 }
 

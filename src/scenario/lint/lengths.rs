@@ -4,6 +4,7 @@ use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, li
 use crate::hinge::HingeKind;
 use crate::model::description::GROUND;
 use crate::model::problem::number;
+use std::collections::HashMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -35,7 +36,7 @@ enum Role {
 
 /// A length or a point.
 #[derive(Debug)]
-pub(super) struct Length<'a> {
+struct Length<'a> {
     numbers: Vec<Written>,
     /// The largest of its numbers in size (m).
     extent: f64,
@@ -46,8 +47,59 @@ pub(super) struct Length<'a> {
     role: Role,
 }
 
-/// All lengths of a scene but zeros.
-pub(super) fn all<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
+/// The lengths of a scene, with what all of them but one have together.
+#[derive(Debug)]
+pub(super) struct Lengths<'a> {
+    all: Vec<Length<'a>>,
+    /// Which of them a number belongs to, by where it is written.
+    owners: HashMap<usize, usize>,
+    /// The two largest in size (m).
+    largest: [f64; 2],
+    /// The sum of [`Length::way`] (m).
+    ways: f64,
+}
+
+impl<'a> Lengths<'a> {
+    /// All of a scene but zeros.
+    pub(super) fn new(scene: &Scene<'a>) -> Self {
+        let all = found(scene);
+        let numbers = |(index, length): (usize, &Length<'_>)| {
+            length.numbers.iter().map(|written| (written.span.start, index)).collect::<Vec<_>>()
+        };
+        let owners = all.iter().enumerate().flat_map(numbers).collect();
+        let largest = all.iter().fold([0.0, 0.0], |[first, second]: [f64; 2], length| {
+            [first.max(length.extent), second.max(first.min(length.extent))]
+        });
+        let ways = all.iter().map(Length::way).sum();
+        Self { all, owners, largest, ways }
+    }
+
+    /// The length that a number belongs to.
+    fn owner(&self, number: &Written) -> Option<&Length<'a>> {
+        self.owners.get(&number.span.start).map(|index| &self.all[*index])
+    }
+
+    /// The longest but that of one number (m); 0 without any.
+    pub(super) fn longest(&self, but: Option<&Written>) -> f64 {
+        let is_longest = |length: &Length<'_>| length.extent == self.largest[0];
+        self.largest[usize::from(but.and_then(|but| self.owner(but)).is_some_and(is_longest))]
+    }
+
+    /// No two points of a tree are further from each other than this (m): both are reached from the ground through lengths but that of one
+    /// number, each at most once.
+    pub(super) fn reach(&self, but: &Written) -> f64 {
+        2.0 * (self.ways - self.owner(but).map_or(0.0, Length::way)).max(0.0)
+    }
+}
+
+impl Length<'_> {
+    /// No way of its points is longer, over all copies (m).
+    fn way(&self) -> f64 {
+        3.0_f64.sqrt() * self.extent * self.copies
+    }
+}
+
+fn found<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
     let mut found = Found { scene, lengths: Vec::new(), copies: 1.0 };
     for body in scene.tables("body") {
         found.of_body(body);
@@ -70,18 +122,6 @@ pub(super) fn all<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
         }
     }
     found.lengths
-}
-
-/// The longest length of a scene but that of one number (m); 0 without any.
-pub(super) fn longest(lengths: &[Length<'_>], but: Option<&Written>) -> f64 {
-    let others = lengths.iter().filter(|length| but.is_none_or(|but| !length.numbers.contains(but)));
-    others.fold(0.0, |longest, length| longest.max(length.extent))
-}
-
-/// No two points of a tree are further from each other than this (m): both are reached from the ground through lengths, each at most once.
-pub(super) fn reach(lengths: &[Length<'_>], but: &Written) -> f64 {
-    let others = lengths.iter().filter(|length| !length.numbers.contains(but));
-    2.0 * others.map(|length| 3.0_f64.sqrt() * length.extent * length.copies).sum::<f64>()
 }
 
 /// Lengths as they are found.
@@ -145,8 +185,8 @@ fn parent<'a>(body: &'a DeTable<'a>) -> &'a str {
 }
 
 /// Warns of lengths that are out of line.
-pub(super) fn check(scene: &Scene<'_>, lengths: &[Length<'_>]) {
-    let of = |roles: &[Role]| lengths.iter().filter(|length| roles.contains(&length.role)).collect::<Vec<_>>();
+pub(super) fn check(scene: &Scene<'_>, lengths: &Lengths<'_>) {
+    let of = |roles: &[Role]| lengths.all.iter().filter(|length| roles.contains(&length.role)).collect::<Vec<_>>();
     // Places on the ground are beside each other and not beside what is small: a curtain of beads hangs from somewhere.
     let chain = of(&[Role::Place, Role::Chain]);
     if chain.len() > 2 {

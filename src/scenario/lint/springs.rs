@@ -1,11 +1,12 @@
 //! Springs that pull at the start as nothing else does, or let what they carry fall.
 
-use super::lengths::{Length, longest, reach};
+use super::lengths::Lengths;
 use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, text, units};
 use crate::hinge::HingeKind;
 use crate::model::description::{BodyDescription, GROUND};
 use crate::model::problem::number;
 use nalgebra::{UnitQuaternion, Vector3};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};
 
@@ -22,7 +23,7 @@ const USUAL: f64 = 1.0;
 /// What has less of gravity than this part is no slide that bears a weight.
 const STEEP: f64 = 0.5;
 
-pub(super) fn check(scene: &Scene<'_>, lengths: &[Length<'_>]) {
+pub(super) fn check(scene: &Scene<'_>, lengths: &Lengths<'_>) {
     let springs = Springs::new(scene, lengths);
     for body in scene.tables("body") {
         springs.in_hinge(body);
@@ -34,7 +35,7 @@ pub(super) fn check(scene: &Scene<'_>, lengths: &[Length<'_>]) {
 
 struct Springs<'s, 'a> {
     scene: &'s Scene<'a>,
-    lengths: &'s [Length<'a>],
+    lengths: &'s Lengths<'a>,
     bodies: BTreeMap<&'s str, &'s BodyDescription>,
     /// How often couplings, forces, loads and contacts name a body.
     named: BTreeMap<&'s str, usize>,
@@ -42,10 +43,16 @@ struct Springs<'s, 'a> {
     parents: BTreeSet<&'s str>,
     /// Bodies that are named so, or carry one that is.
     held: BTreeSet<&'s str>,
+    /// The weight of all bodies (N); `None` if it is none, or is not all in bodies.
+    weight: Option<f64>,
+    /// Whether all lengths are written: curves and beams have others.
+    lengths_are_known: bool,
+    /// How the hinge frames of bodies stand, if nothing below them turns: those that were asked for.
+    turns: RefCell<BTreeMap<&'s str, Option<UnitQuaternion<f64>>>>,
 }
 
 impl<'s, 'a> Springs<'s, 'a> {
-    fn new(scene: &'s Scene<'a>, lengths: &'s [Length<'a>]) -> Self {
+    fn new(scene: &'s Scene<'a>, lengths: &'s Lengths<'a>) -> Self {
         let all = &scene.description.bodies;
         let bodies: BTreeMap<&str, &BodyDescription> = all.iter().map(|body| (body.name.as_str(), body)).collect();
         let mut named: BTreeMap<&str, usize> = BTreeMap::new();
@@ -62,20 +69,19 @@ impl<'s, 'a> Springs<'s, 'a> {
                 up = bodies.get(one.hinge.parent.as_str()).copied();
             }
         }
-        Self { scene, lengths, bodies, named, parents, held }
+        let is_of_bodies = scene.description.beams.is_empty() && scene.description.modals.is_empty();
+        let weight = all.iter().map(|body| body.mass.mass).sum::<f64>() * scene.description.gravity.norm();
+        let weight = (is_of_bodies && weight > 0.0).then_some(weight);
+        let lengths_are_known = is_of_bodies
+            && all.iter().all(|body| !matches!(body.hinge.kind, HingeKind::Along { .. }))
+            && !scene.document.contains_key("model");
+        let turns = RefCell::default();
+        Self { scene, lengths, bodies, named, parents, held, weight, lengths_are_known, turns }
     }
 
     /// The body of a table, the first of its copies.
     fn body(&self, name: &str) -> Option<&'s BodyDescription> {
         self.bodies.get(name).or_else(|| self.bodies.get(format!("{name}[0]").as_str())).copied()
-    }
-
-    /// The weight of all bodies (N); `None` if it is none, or is not all in bodies.
-    fn weight(&self) -> Option<f64> {
-        let scene = self.scene.description;
-        let others = !scene.beams.is_empty() || !scene.modals.is_empty();
-        let mass: f64 = scene.bodies.iter().map(|body| body.mass.mass).sum();
-        Some(mass * scene.gravity.norm()).filter(|weight| *weight > 0.0 && !others)
     }
 
     /// The springs of the coordinates of a hinge that are distances.
@@ -110,8 +116,8 @@ impl<'s, 'a> Springs<'s, 'a> {
     }
 
     fn tell_preload(&self, key: &str, length: &Written, force: f64, least: &str) {
-        let Some(weight) = self.weight().filter(|weight| force > WEIGHTS * weight) else { return };
-        let (size, others) = (length.value.abs(), longest(self.lengths, Some(length)));
+        let Some(weight) = self.weight.filter(|weight| force > WEIGHTS * weight) else { return };
+        let (size, others) = (length.value.abs(), self.lengths.longest(Some(length)));
         if size < LEAST || size <= LONG * others {
             return;
         }
@@ -127,13 +133,8 @@ impl<'s, 'a> Springs<'s, 'a> {
     fn between(&self, table: &DeTable<'_>) {
         let Some(stiffness) = self.scene.number(table, "stiffness").filter(|k| k.value > 0.0) else { return };
         let scene = self.scene.description;
-        // Curves and beams have lengths that are not written.
-        let is_known = scene.beams.is_empty()
-            && scene.modals.is_empty()
-            && scene.bodies.iter().all(|body| !matches!(body.hinge.kind, HingeKind::Along { .. }))
-            && !self.scene.document.contains_key("model");
-        if let Some(length) = self.scene.number(table, "length").filter(|_| is_known) {
-            let force = stiffness.value * (length.value - reach(self.lengths, &length));
+        if let Some(length) = self.scene.number(table, "length").filter(|_| self.lengths_are_known) {
+            let force = stiffness.value * (length.value - self.lengths.reach(&length));
             self.tell_preload("length", &length, force, "at least ");
         }
         let mut ends = Vec::new();
@@ -170,21 +171,37 @@ impl<'s, 'a> Springs<'s, 'a> {
     }
 
     /// What gravity has along a direction of the hinge frame (m/s²), if that is known and much of it; else 0.
-    fn pull(&self, body: &BodyDescription, direction: &Vector3<f64>) -> f64 {
+    fn pull(&self, body: &'s BodyDescription, direction: &Vector3<f64>) -> f64 {
         let gravity = self.scene.description.gravity;
-        let Some(turn) = self.turn(body, self.bodies.len()) else { return 0.0 };
+        let Some(turn) = self.turn(body) else { return 0.0 };
         let part = (turn * direction).dot(&gravity).abs() / direction.norm();
         if part > STEEP * gravity.norm() { part } else { 0.0 }
     }
 
     /// How the hinge frame of a body stands if nothing below it turns.
-    fn turn(&self, body: &BodyDescription, most: usize) -> Option<UnitQuaternion<f64>> {
-        if body.hinge.parent == GROUND {
-            return Some(body.hinge.frame);
+    fn turn(&self, body: &'s BodyDescription) -> Option<UnitQuaternion<f64>> {
+        let mut turns = self.turns.borrow_mut();
+        // Down to the ground or to a body that is known, and back; in a ring of parents nothing stands.
+        let (mut way, mut at) = (Vec::new(), Some(body));
+        let mut turn = loop {
+            let Some(one) = at.filter(|_| way.len() <= self.bodies.len()) else { break None };
+            if let Some(known) = turns.get(one.name.as_str()) {
+                break *known;
+            }
+            way.push(one);
+            if one.hinge.parent == GROUND {
+                break Some(UnitQuaternion::identity());
+            }
+            at = self.bodies.get(one.hinge.parent.as_str()).copied();
+        };
+        for one in way.into_iter().rev() {
+            let parent = self.bodies.get(one.hinge.parent.as_str());
+            let is_level =
+                parent.is_none_or(|it| matches!(it.hinge.kind, HingeKind::Fixed | HingeKind::Prismatic { .. }));
+            turn = turn.filter(|_| is_level).map(|turn| turn * one.hinge.frame);
+            turns.insert(&one.name, turn);
         }
-        let parent = self.bodies.get(body.hinge.parent.as_str()).filter(|_| most > 0)?;
-        let is_level = matches!(parent.hinge.kind, HingeKind::Fixed | HingeKind::Prismatic { .. });
-        Some(self.turn(parent, most - 1).filter(|_| is_level)? * body.hinge.frame)
+        turn
     }
 
     /// A spring that alone carries a body, against its weight and the longest length of the scene.
@@ -197,7 +214,7 @@ impl<'s, 'a> Springs<'s, 'a> {
             || !scene.contacts.is_empty()
             // What statics finds may be the stiffness.
             || exactly(self.scene.document, "statics.unknown").is_some();
-        let longest = match longest(self.lengths, None) {
+        let longest = match self.lengths.longest(None) {
             0.0 => USUAL,
             longest => longest,
         };

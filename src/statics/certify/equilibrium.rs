@@ -1,5 +1,6 @@
 //! The equilibrium with its certificate.
 
+use super::beams;
 use super::closed;
 use super::known;
 use super::stability::{Stability, StabilityVerdict};
@@ -26,8 +27,8 @@ pub struct Equilibrium {
     /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`; `inverse` where the
     /// pose was given.
     pub method: &'static str,
-    /// The stage that won: `start` (nothing to do, or nothing that would help), `newton`, `trust region`, `release` or
-    /// `relaxation`; of `lagrange` `newton` or `pseudo-transient`.
+    /// The stage that won: `start` (nothing to do, or nothing that would help), `newton`, `trust region`, `release`,
+    /// `relaxation` or `active set`; of `lagrange` `newton` or `pseudo-transient`.
     pub stage: &'static str,
     /// What each stage of the cascade worked, in their order; empty for the baselines.
     pub stages: Vec<Stage>,
@@ -177,7 +178,11 @@ pub(in crate::statics) fn certify(
     at.share_multipliers()?;
     let loops = at.loop_reactions();
     let (mut residual, mut poses, mut reactions) = (rest.clone(), Vec::new(), Vec::new());
-    at.residual(&rest, &mut residual)?.reactions(&mut reactions);
+    let at_rest = at.residual(&rest, &mut residual)?;
+    at_rest.reactions(&mut reactions);
+    let of_beams = balanced.then(|| beams::judge(&at_rest, &place.q));
+    let balanced = of_beams.as_ref().is_some_and(|judged| judged.hold);
+    notes.splice(0..0, of_beams.into_iter().flat_map(|judged| judged.notes));
     at.poses(&mut poses);
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
     let holding: Vec<(String, f64)> =
@@ -185,6 +190,8 @@ pub(in crate::statics) fn certify(
     notes.extend(balanced.then(|| round_off_note(&place)).flatten());
     let by_size = |a: &usize, b: &usize| place.force[*a].abs().total_cmp(&place.force[*b].abs());
     let largest = (0..place.force.len()).max_by(by_size);
+    let stability = stability.filter(|_| balanced);
+    notes.extend(stability.as_ref().and_then(|stability| stability.flutter_note(model)));
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(StabilityVerdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());

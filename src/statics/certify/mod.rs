@@ -3,6 +3,7 @@
 //! | file | its one job |
 //! |---|---|
 //! | `equilibrium` | the equilibrium with its certificate; what is not balanced is named in `unbalanced` |
+//! | `beams` | whether the balance of a beam's elements is one of the beam |
 //! | `stability`, `modes` | how many directions leave it or have zero stiffness, and its natural modes; of large systems in `subspace` |
 //! | `damped` | damped modes |
 //! | `known` | what is known of a stiffness that is small beside its terms |
@@ -11,6 +12,7 @@
 //! | `weak`, `cone`, `copositive` | stops that bear nothing: the critical cone, and whether the stiffness is copositive on it |
 //! | `falling` | motions that nothing ends |
 
+mod beams;
 pub(super) mod bearing;
 pub(super) mod closed;
 pub(super) mod cone;
