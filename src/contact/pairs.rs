@@ -15,6 +15,11 @@ pub(crate) const LOOSE: f64 = 1e-7;
 pub(crate) const DEEPER: f64 = 2.0;
 /// Overlaps of features below this part of the size need no such proof.
 const SHALLOW: f64 = 1e-6;
+/// What meets at the rim of a feature, to this part of the size, is looked at once more: see [`Pairs::passes_by`].
+const RIM: f64 = 1e-5;
+/// It meets only if shapes overlap by this part of how much further it would go, which is so many times as far as it is from the rim.
+const MEETS: f64 = 0.5;
+const FURTHER: f64 = 10.0;
 /// Contacts of a couple that are closer to each other than this part of the size, with one normal, are one.
 const ONE_PLACE: f64 = 1e-4;
 
@@ -266,13 +271,28 @@ impl Pairs {
         let (a, b) = (self.standing(*a), self.standing(*b));
         // Nothing is behind another feature by more than the smaller shape is thick.
         let near = Near { inside: -loose, gap: far, depth: *size };
+        // Of what is far away it is soon enough to know when it is near.
+        let soon = if far.is_finite() { far } else { RIM * size };
+        let rim = RIM * size + loose;
+        let counts = |found: &Meeting| {
+            let at_rim = found.inside < rim && found.gap < soon;
+            found.inside >= -loose && found.gap < far && !(at_rim && self.passes_by(couple, found))
+        };
         for features in pairs(&a, &b) {
-            if let Some(found) =
-                meeting(&a, &b, features, &near).filter(|found| found.inside >= -loose && found.gap < far)
-            {
+            if let Some(found) = meeting(&a, &b, features, &near).filter(counts) {
                 put(found);
             }
         }
+    }
+
+    /// Whether shapes would not overlap if two features of theirs met and went on a little along their normal: a corner that slides over the
+    /// joint of two level boxes lies in the plane of the second one's side, but it passes over it.
+    fn passes_by(&self, couple: usize, found: &Meeting) -> bool {
+        let Couple { pieces: [a, b], size, .. } = self.couples[couple];
+        let further = FURTHER * (RIM * size).max(found.inside);
+        let closer = Isometry3::from(found.normal * -(found.gap + further)) * self.poses[b];
+        let touched = touch(&self.placed(a), &self.pieces[b].solid.placed(&closer), 0.0);
+        touched.is_ok_and(|touched| touched.is_none_or(|touched| -touched.gap < MEETS * further))
     }
 
     /// A shape where it stands.

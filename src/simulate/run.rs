@@ -10,6 +10,7 @@ mod transition;
 
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
+use crate::model::beam::Wound;
 use crate::model::description::When;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
@@ -93,6 +94,8 @@ pub struct Summary {
     pub inputs: Vec<f64>,
     /// What the controllers remember at the end, in the order of the model.
     pub memories: Vec<Vec<f64>>,
+    /// Beams with elements that turned by more than 1.5 rad in a sample: when they turned most (s), and by how much.
+    pub wound: Vec<(f64, Wound)>,
     /// Impacts: of hinges on their stops, and between bodies.
     pub impacts: usize,
     /// Steps that captured contacts instead of following their events.
@@ -226,7 +229,7 @@ impl<'m, 'f> Run<'m, 'f> {
             ),
             happened: Vec::new(),
             stopped_by: None,
-            timetable: Timetable::new(model, [begin, end]),
+            timetable: Timetable::new(model, [begin, end], search.stride),
             control: Control::new(model, begin, function),
             carried: None,
             rests,
@@ -240,7 +243,12 @@ impl<'m, 'f> Run<'m, 'f> {
             run.ledger.held_from_start(contacts.potential(system));
         }
         run.arm(motion, begin);
-        run.control(motion, settings, begin)?;
+        if run.is_due(begin) {
+            run.control(motion, settings, begin)?;
+            // What controllers set may lift or slide what touches.
+            run.touch(motion, begin, false)?;
+            run.arm(motion, begin);
+        }
         motion.foresee(begin, &run.state).map_err(|fault| RunError::Sample { time: begin, fault })?;
         run.sampler.sample(motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
         let energy_start = run.ledger.start();
@@ -298,6 +306,7 @@ impl Run<'_, '_> {
             impacts,
             capture_steps: motion.contacts.as_ref().map_or(0, |contacts| contacts.captured()),
             samples: self.sampler.count,
+            wound: self.sampler.wound,
             wall: self.wall,
         }
     }
@@ -351,6 +360,7 @@ impl Run<'_, '_> {
             }
             if (transition.is_none() || self.is_due(next)) && time >= self.segment_end(next) {
                 self.lose_mass(motion, time, next);
+                self.jump(motion, settings, [time, next])?;
                 time = next;
                 if self.is_due(time) {
                     self.carried = resume.step;

@@ -20,6 +20,7 @@ mod keys;
 mod models;
 mod output;
 mod outputs;
+mod over_edges;
 mod path;
 mod pictures;
 mod poses;

@@ -1,7 +1,7 @@
 //! How a pair of features moves with both solids.
 
 use super::feature::{Feature, Meeting};
-use super::rim;
+use super::{chord, rim};
 use nalgebra::Vector3;
 
 /// How velocities of both solids move a pair: rate of its normal in inertial axes, and velocity of its point (m/s).
@@ -62,16 +62,16 @@ impl Meeting {
             }
             [Feature::Edge(_), Feature::Edge(_)] => {
                 let [u, v] = self.edges;
-                let [du, dv] = [spins[0].cross(&u), spins[1].cross(&v)];
+                let turns =
+                    |i: usize, e: &Vector3<f64>| spins[i].cross(e) + chord::bends(self.rims[i].as_ref(), &slides[i]);
                 let crossed = u.cross(&v);
-                let sign = if crossed.dot(&n) < 0.0 { -1.0 } else { 1.0 };
-                let normal = across(sign * (du.cross(&v) + u.cross(&dv)), n) / crossed.norm();
+                let normal = chord::turned(self, [turns(0, &u), turns(1, &v)]);
                 // The foot on the first edge moves along it by what keeps the line between both feet along n.
                 // x_b − x_a = apart n:  v_b + ẏ v − v_a − ẋ u = d(apart) n + apart ṅ
-                let slip = vb - va - apart * normal;
+                let slip = bodies[1] - bodies[0] - apart * normal;
                 let square = crossed.norm_squared();
                 let x = slip.cross(&v).dot(&crossed) / square;
-                Drift { normal, point: va + x * u + radius * normal, slides }
+                Drift { normal, point: bodies[0] + x * u + radius * normal, slides }
             }
         }
     }

@@ -14,9 +14,10 @@
 //! (3)  φ̇ = (e·(ẋ − v) + (ω × e)·w) / (r + d·w),   v that of the material point of the rim
 //! ```
 //!
-//! (2) has no limit as the disc comes to lie flat: there points that are fixed to the rim take over, as corners of a polygon. Rims that meet
-//! edges, or each other askew, are no features here.
+//! (2) has no limit as the disc comes to lie flat: there points that are fixed to the rim take over, as corners of a polygon. Edges that lie
+//! across a disc are in [`super::chord`]; rims that meet edges or each other askew are no features here.
 
+use super::chord;
 use super::feature::{Feature, Meeting, Near, PARALLEL, PlacedBoundary, Rim, TILTED, crossing, on_edge, on_face};
 use nalgebra::Vector3;
 
@@ -55,6 +56,9 @@ fn of_cylinder(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, mut put: im
     other.face_list().for_each(|face| vertices(own).for_each(|vertex| put(vertex, face)));
     other.edge_list().for_each(|edge| put(Feature::Edge(0), edge));
     other.edge_list().for_each(|edge| ends().for_each(|end| put(end, edge)));
+    if other.of.rim == 0.0 && other.of.radius == 0.0 {
+        other.edge_list().for_each(|edge| chord::CHORDS.for_each(|chord| put(Feature::Edge(chord), edge)));
+    }
     if other.of.rim == 0.0 {
         vertices(other).for_each(|vertex| put(Feature::Edge(0), vertex));
     }
@@ -117,6 +121,9 @@ fn of(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, features: [Feature; 
             let inside = if other.of.plane.is_some() { inside } else { inside.min(before) };
             let found = Meeting::new(features, -normal, [point, foot], [none; 2], [0.0, other.of.radius], inside);
             Some(Meeting { rims: [rim, None], flat, ..found })
+        }
+        [Feature::Edge(edge), Feature::Edge(against)] if chord::CHORDS.contains(&edge) => {
+            chord::meeting(own, other, [edge, against])
         }
         [Feature::Edge(edge), Feature::Edge(against)] => {
             crossing(own, other, [edge, against], [own.of.rim, about], near)
@@ -202,6 +209,9 @@ impl Rim {
 
 /// (2) and (3): velocities of core points along their rims, `bodies` those of the material points there.
 pub(super) fn slides(meeting: &Meeting, bodies: [Vector3<f64>; 2], spins: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+    if let [Feature::Edge(_), Feature::Edge(_)] = meeting.features {
+        return chord::slides(meeting, bodies, spins);
+    }
     [0, 1].map(|i| {
         let Some(Rim { arm, tangent, tilt }) = meeting.rims[i] else { return Vector3::zeros() };
         let radius = arm.norm();

@@ -60,6 +60,8 @@ pub(super) struct Memory {
     /// Energy that contacts took out and that drives put into their impulses since it was last asked for (J).
     lost: f64,
     work: f64,
+    /// When the last step began and ended (s).
+    last: [f64; 2],
     pub(super) steps: usize,
     /// The step that is tried next (s).
     pub(super) step: f64,
@@ -164,8 +166,8 @@ impl Tried {
     }
 }
 
-/// Carries over what a step did; `next` has the step that is tried next (s) from the one that was.
-fn remember(motion: &mut Motion, tried: Tried, next: impl Fn(f64) -> f64) {
+/// Carries over what a step from one time to another did; `next` has the step that is tried next (s) from the one that was.
+fn remember(motion: &mut Motion, tried: Tried, times: [f64; 2], next: impl Fn(f64) -> f64) {
     let Tried { made, depth, .. } = tried;
     let span = motion.model().time_scale();
     let scales = motion.scales().1.to_vec();
@@ -175,6 +177,7 @@ fn remember(motion: &mut Motion, tried: Tried, next: impl Fn(f64) -> f64) {
     let memory = &mut contacts.memory;
     memory.lost += made.lost;
     memory.work += made.work;
+    memory.last = times;
     memory.steps += 1;
     memory.depth = Some(depth);
     memory.step = next(memory.step);
@@ -218,8 +221,8 @@ impl Stepper<Motion> for Capture {
             }
             self.before = (q, v);
             self.next = [tried.made.position.as_slice(), tried.made.velocity.as_slice()].concat();
-            remember(motion, tried, |before| if last { before.max(proposed.min(h)) } else { proposed });
             let end = if last { self.progress.end() } else { time + step };
+            remember(motion, tried, [time, end], |before| if last { before.max(proposed.min(h)) } else { proposed });
             self.progress.advance(end, &mut self.next);
             return Ok(());
         }
@@ -297,9 +300,12 @@ impl Contacts {
         self.closing = CLOSES;
     }
 
-    /// Energy that captured contacts took out in the last step and that is not booked yet (J).
-    pub(in crate::simulate) fn not_booked(&self) -> f64 {
-        self.memory.lost.max(0.0)
+    /// Of the last captured step what is not booked yet at a time within it: energy that contacts take out in all of it, and what drives have
+    /// put into their impulses by then, which are spread over the step (J).
+    pub(in crate::simulate) fn not_booked(&self, time: f64) -> [f64; 2] {
+        let Memory { lost, work, last: [from, to], .. } = self.memory;
+        let part = if to > from { ((time - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
+        [lost.max(0.0), part * work]
     }
 
     /// Energy that captured contacts took out and that drives put into their impulses since this was last asked (J).

@@ -16,9 +16,11 @@ const MOST_ROUNDS: usize = 60;
 /// Friction is smaller by this part when a force has reached its limit, so that what is there slips; else larger by half of it.
 const LESS: f64 = 1e-7;
 /// What slips accelerates by more than this part of the largest acceleration.
-const SLIPS: f64 = 1e-9;
+pub(super) const SLIPS: f64 = 1e-9;
+/// A slip that begins is against its friction to this part of its acceleration.
+const AGAINST: f64 = 1e-4;
 /// What is open sinks by no more than this part of the largest acceleration.
-const SINKS: f64 = 1e-7;
+pub(super) const SINKS: f64 = 1e-7;
 /// Directions that differ by less are one, of what slips and of what begins to.
 const PARALLEL: f64 = 1e-6;
 const ALIKE: f64 = 0.5;
@@ -59,6 +61,18 @@ pub(in crate::simulate) struct Changed {
     /// What springs of contacts held that bear no more, less what those hold that bear again (J). Those that come or go while they are deep
     /// hold what nothing has put in or taken out: that is unaccounted for.
     pub(in crate::simulate) released: f64,
+}
+
+/// What states of contacts give.
+pub(super) struct Fits {
+    /// Whether forces are within their cones and nothing sinks that is open.
+    pub(super) holds: bool,
+    /// Whether nothing sinks that is open.
+    pub(super) rises: bool,
+    /// Whether slips that begin are against friction.
+    pub(super) brakes: bool,
+    /// How contacts accelerate, each in its basis (m/s²).
+    pub(super) rates: Vec<Vector3<f64>>,
 }
 
 impl Contacts {
@@ -174,17 +188,17 @@ impl Contacts {
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
-            let (straight, across, pushes) = (false, 0.0, self.bears(frame, time));
+            let (straight, across, pushes, begins) = (false, 0.0, self.bears(frame, time), Vector3::zeros());
             let before = self.closed.iter().find(|was| was.key == frame.key && was.pushes == pushes);
             let since = before.map_or(time, |was| was.since);
             let (key, gap) = (frame.key, meeting.gap);
-            Closed { key, state, axis, gap, meeting, force, slip, straight, across, pushes, since }
+            Closed { key, state, axis, gap, meeting, force, slip, straight, begins, across, pushes, since }
         });
         self.closed = closed.collect();
     }
 
     /// What a contact does by its velocity alone: it slips if that is faster than `slow` (m/s).
-    fn moves(&self, frame: &Frame, slow: f64) -> ContactState {
+    pub(super) fn moves(&self, frame: &Frame, slow: f64) -> ContactState {
         let slip = frame.slip();
         match slip.norm() > slow {
             _ if self.law(frame.key.couple).friction.stick == 0.0 => ContactState::Slip(Vector3::zeros()),
@@ -234,7 +248,11 @@ impl Contacts {
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
         let mut problem = problem(&frames, &answers, rates, self.laws(&frames, less));
         let mut forces = vec![Vector3::zeros(); frames.len()];
-        let touching = std::mem::take(&mut self.closed);
+        let touching = self.closed.clone();
+        if self.by_rows(system, state, &frames, [size, less])? {
+            return Ok(());
+        }
+        self.closed.clear();
         let gives = less < 0.0 && frames.iter().any(|frame| self.gives(frame));
         let mut tried = 0;
         while let Some(sweeps) = SWEEPS.get(tried) {
@@ -253,8 +271,11 @@ impl Contacts {
                 continue;
             }
             self.read(&touching, &frames, &found, size);
+            let fits = self.fits(system, state, &frames, size)?;
             // Of the right states forces may be out of their cones by rounding.
-            if self.fits(system, state, &frames, size)? || found.change <= FOUND && self.reserve() >= -SETTLED {
+            if fits.holds && (fits.brakes || tried == SWEEPS.len() || found.change <= FOUND)
+                || found.change <= FOUND && self.reserve() >= -SETTLED
+            {
                 return Ok(());
             }
             forces = found.forces;
@@ -310,12 +331,23 @@ impl Contacts {
             let sprung = self.sprung(&closed, &frames[k]);
             springs = springs.max(sprung);
             closed.force = frames[k].basis * (force + Vector3::x() * sprung);
-            closed.straight = false;
             self.closed.push(closed);
         }
-        self.straighten();
+        self.begin_slips();
         let largest = found.forces.iter().map(|f| f.amax()).fold(springs, f64::max);
         self.scale = if largest > 0.0 { largest } else { self.scale };
+    }
+
+    /// Slips begin in the directions that have been found: straight on where all of a couple have one, nearly.
+    pub(super) fn begin_slips(&mut self) {
+        for closed in &mut self.closed {
+            closed.straight = false;
+            closed.begins = match closed.state {
+                ContactState::Slip(direction) => direction,
+                _ => Vector3::zeros(),
+            };
+        }
+        self.straighten();
     }
 
     /// Contacts of a couple that slip in one direction, nearly, do so straight on, in the mean of them.
@@ -349,7 +381,7 @@ impl Contacts {
     }
 
     /// Turns slips that begin to where nothing keeps them straight; those that have a direction, and all if it is the `last` turn, go
-    /// on as they will.
+    /// on as they will, each in the direction that it was read with.
     fn turn(&mut self, last: bool) {
         let mut couples: Vec<usize> =
             self.closed.iter().filter(|closed| closed.straight).map(|closed| closed.key.couple).collect();
@@ -362,9 +394,10 @@ impl Contacts {
             let ends = last || moves || !(friction > 0.0);
             for closed in self.closed.iter_mut().filter(|closed| closed.straight && closed.key.couple == couple) {
                 closed.straight = !ends;
-                if let ContactState::Slip(direction) = &mut closed.state
-                    && !ends
-                {
+                let ContactState::Slip(direction) = &mut closed.state else { continue };
+                if ends {
+                    *direction = closed.begins;
+                } else {
                     let sideways = closed.meeting.normal.cross(direction);
                     *direction = (*direction - sideways * (across / friction)).normalize();
                 }
@@ -372,8 +405,14 @@ impl Contacts {
         }
     }
 
-    /// Whether the rows of these states give forces within their cones and let nothing sink that is open.
-    fn fits(&mut self, system: &mut System, state: &State, frames: &[Frame], size: f64) -> Result<bool, Fault> {
+    /// What the rows of these states give.
+    pub(super) fn fits(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        frames: &[Frame],
+        size: f64,
+    ) -> Result<Fits, Fault> {
         let (time, q, v) = (system.time(), &state.position, &state.velocity);
         let mut a = vec![0.0; v.len()];
         for turn in 0..=MOST_TURNS + 1 {
@@ -388,7 +427,26 @@ impl Contacts {
         }
         let rigid = |frame: &&Frame| self.is_rigid(frame.key.couple);
         let rises = |frame: &Frame| (frame.rates(&a) + frame.bias).x >= -SINKS * size;
-        Ok(self.reserve() >= -BEYOND && frames.iter().filter(rigid).all(rises))
+        let rises = frames.iter().filter(rigid).all(rises);
+        let holds = self.reserve() >= -BEYOND && rises;
+        let least = SLIPS * size;
+        let rates: Vec<Vector3<f64>> = self.frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
+        let all = self.closed.iter().zip(&self.frames).zip(&rates);
+        let brakes = all.into_iter().all(|((closed, frame), rate)| self.brakes(closed, frame, rate, least));
+        Ok(Fits { holds, rises, brakes, rates })
+    }
+
+    /// Whether a slip that begins is against its friction; one that moves has its direction, and what accelerates by less than `least`
+    /// has none.
+    fn brakes(&self, closed: &Closed, frame: &Frame, rate: &Vector3<f64>, least: f64) -> bool {
+        let ContactState::Slip(direction) = closed.state else { return true };
+        if direction == Vector3::zeros() || closed.slip.norm() > self.slow || !self.is_rigid(closed.key.couple) {
+            return true;
+        }
+        let (rate, along) = (rate.yz(), frame.flat(&direction));
+        let forward = rate.dot(&along);
+        let across = (rate - along * forward).norm();
+        across <= (AGAINST * rate.norm()).max(least) && forward >= -least
     }
 
     /// What has changed for couples, beside impacts.

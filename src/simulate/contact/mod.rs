@@ -29,6 +29,7 @@
 //! | `raise` | what has sunk in captured steps is moved apart |
 //! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
+mod active;
 mod blocks;
 mod capture;
 mod decide;
@@ -121,6 +122,8 @@ pub(super) struct Closed {
     /// Whether it slips along a straight line, and the force across that, in parts of friction.
     straight: bool,
     across: f64,
+    /// The direction in which its slip begins by itself, as read from the last decision.
+    begins: Vector3<f64>,
     /// Whether it may bear, since when (s): a compliant one does not where it would pull.
     pushes: bool,
     since: f64,

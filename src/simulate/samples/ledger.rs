@@ -171,11 +171,13 @@ impl Ledger {
         energy
     }
 
-    /// The ledger of a state on the way through a captured step, whose impacts are booked at its end: what they have taken out so far is what
-    /// this state has less, between nothing and all that they do (J). The balance is that of the last step's end.
-    pub(in crate::simulate) fn on_the_way(&self, now: &Energies, impacts: f64) -> Energy {
+    /// The ledger of a state on the way through a captured step, whose impulses are booked at its end. `put_in` is what drives have put into
+    /// them so far; what they have taken out so far is what this state has less, between nothing and all that they do, `taken_out` (J). The
+    /// balance is that of the last step's end.
+    pub(in crate::simulate) fn on_the_way(&self, now: &Energies, [taken_out, put_in]: [f64; 2]) -> Energy {
         let Energy { work, error, .. } = self.energy(now);
-        let dissipated = self.dissipated + (self.error - error).clamp(0.0, impacts);
+        let work = work + put_in;
+        let dissipated = self.dissipated + (self.error - error + put_in).clamp(0.0, taken_out);
         Energy { kinetic: now.kinetic, potential: now.potential, work, dissipated, error: self.error }
     }
 }

@@ -5,6 +5,7 @@ use super::ledger::{Ledger, interpolate};
 use super::outputs::StateOutputs;
 use crate::integrate::Stepper;
 use crate::model::Model;
+use crate::model::beam::Wound;
 use crate::record::{ContactPush, Recorder, Sample};
 use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
@@ -35,6 +36,8 @@ pub(in crate::simulate) struct Sampler {
     couplings: Vec<f64>,
     /// What contacts push with; of what rests the same at all times.
     pub(in crate::simulate) contacts: Vec<ContactPush>,
+    /// Beams with elements that turned by too much, each where its elements turned most, and when (s).
+    pub(in crate::simulate) wound: Vec<(f64, Wound)>,
     /// `None` for a model without outputs.
     outputs: Option<StateOutputs>,
 }
@@ -56,6 +59,7 @@ impl Sampler {
             reactions: Vec::new(),
             couplings: Vec::new(),
             contacts: Vec::new(),
+            wound: Vec::new(),
             outputs: StateOutputs::new(model),
         }
     }
@@ -146,8 +150,8 @@ impl Sampler {
         at.poses(&mut self.poses);
         let energies = motion.energies(time, q, v);
         let captured = motion.contacts.as_ref().filter(|contacts| contacts.is_captured());
-        let energy = match captured.map(|contacts| contacts.not_booked()) {
-            Some(impacts) => ledger.on_the_way(&energies, impacts),
+        let energy = match captured.map(|contacts| contacts.not_booked(time)) {
+            Some(impulses) => ledger.on_the_way(&energies, impulses),
             None => ledger.close(&energies),
         };
         let outputs = match &mut self.outputs {
@@ -171,6 +175,19 @@ impl Sampler {
         }
         recorder.sample(&sample)?;
         self.count += 1;
+        let wound = motion.model().wound(q).into_iter().map(|wound| (time, wound));
+        keep_worst(&mut self.wound, wound);
         Ok(())
+    }
+}
+
+/// Adds beams with elements that turn by too much to others, and keeps of each beam where its elements turn most.
+pub(in crate::simulate) fn keep_worst(kept: &mut Vec<(f64, Wound)>, more: impl IntoIterator<Item = (f64, Wound)>) {
+    for (time, wound) in more {
+        match kept.iter_mut().find(|(_, known)| known.beam == wound.beam) {
+            Some(known) if known.1.turn >= wound.turn => {}
+            Some(known) => *known = (time, wound),
+            None => kept.push((time, wound)),
+        }
     }
 }

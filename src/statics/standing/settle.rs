@@ -10,7 +10,8 @@
 //! on the contacts that stay closed. (2) compares the fall of the Lagrangian along a step with what the linear model says of it, curvature of
 //! the contacts included; σ follows from their ratio as in a trust region. Rigid stops and dry friction of hinges are supports as contacts are.
 //!
-//! The path depends on friction and on the guess. That its end stands is not claimed here: it is certified like any pose.
+//! The path depends on friction and on the guess. What has slid on its way ends where friction just holds it; it ends within that limit, so that
+//! the pose can be certified. That it stands is not claimed here.
 
 use super::Unanswered;
 use crate::contact::cone::{Law, Problem};
@@ -52,6 +53,8 @@ const NEAR: f64 = 1e-5;
 /// Impulses are found to this part of the largest then, before that to a thousand times as much in a tenth of the sweeps.
 const FOUND: f64 = 1e-12;
 const MOST_SWEEPS: usize = 3000;
+/// Friction is less by this part on the way than it is.
+const WITHIN: f64 = 1e-6;
 
 /// Where a guess has settled.
 #[derive(Debug, Clone)]
@@ -336,7 +339,8 @@ impl Search<'_, '_> {
         let contact = |(key, meeting)| {
             let frame = Frame::new(&self.model, motion, &self.pairs, &links, key, meeting, None);
             let friction = self.model.contacts[self.pairs.couples[key.couple].rule].friction;
-            let law = Law::Coulomb { stick: friction.stick, slide: friction.stick };
+            let within = friction.stick * (1.0 - WITHIN);
+            let law = Law::Coulomb { stick: within, slide: within };
             Support { id: Id::Contact(key), columns: frame.columns, gap: frame.meeting.gap, law }
         };
         let mut supports: Vec<Support> = found.into_iter().map(contact).collect();

@@ -1,0 +1,232 @@
+//! Contacts where surfaces end: joints of level tables are no steps, and what slides over an edge tips when its middle is beyond what
+//! friction allows. Wheels at the limit of their grip, contacts under a controller, and what settles with a beam.
+
+use super::Bench;
+use crate::common::Random;
+use serde_json::Value;
+
+const G: f64 = 9.80665;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// The columns of a recording, by the beginning of their headings.
+fn columns(bench: &Bench, names: &[&str]) -> Vec<Vec<f64>> {
+    bench.call(&["export", "a.mcap", "--csv", "a.csv"]).code(0);
+    let table = std::fs::read_to_string(bench.path().join("a.csv")).expect("a table");
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = rows.next().expect("headings");
+    let place = |name: &&str| heads.iter().position(|head| head.starts_with(*name)).unwrap_or_else(|| panic!("{name}"));
+    let places: Vec<usize> = names.iter().map(place).collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for row in rows {
+        places.iter().zip(&mut columns).for_each(|(at, column)| column.push(row[*at].parse().expect("a number")));
+    }
+    columns
+}
+
+/// A box or an upright cylinder slides over level tables side by side, as far as over one: `x = v²/2μg`. Heights of tables are not round
+/// numbers, so that their tops are level but for rounding.
+#[test]
+fn joints_of_level_tables_are_no_steps() {
+    let (bench, mut random) = (Bench::new(), Random::new(81));
+    for case in 0..24 {
+        let (size, height) = (random.between(0.1, 0.4), random.between(0.05, 0.2));
+        let (tile, top) = (random.between(0.3, 0.6), random.between(-1.0, 1.0));
+        let (friction, speed) = (random.between(0.1, 0.3), random.between(0.8, 2.0));
+        let yaw = if case % 2 == 0 { 0.0 } else { random.between(0.0, 1.5) };
+        let gap = if case % 3 == 0 { random.between(0.0, 0.05) } else { 0.0 };
+        let shape = match case % 4 {
+            3 => format!("cylinder = [{:?}, {height:?}]", 0.5 * size),
+            _ => format!("box = [{size:?}, {size:?}, {height:?}]"),
+        };
+        let tables: String = (0..8)
+            .map(|k| {
+                format!(
+                    "[[body]]\nname = \"t{k}\"\nshape = {{ box = [{tile:?}, 2.0, 0.1] }}\n\
+                     hinge = {{ type = \"fixed\", at = [{:?}, 0, {:?}] }}\n",
+                    (tile + gap) * f64::from(k),
+                    top - 0.05
+                )
+            })
+            .collect();
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 1.5, tolerance = 1e-9 }}\nstatics = {{ gap = 1e-6 }}\n{tables}\
+                 [[body]]\nname = \"load\"\ndensity = 500\nshape = {{ {shape} }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {:?}, {:?}, 0, 0, {:?}], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"t*\", \"load\"]\nfriction = {friction:?}\n",
+                top + 0.5 * height,
+                (0.5 * yaw).cos(),
+                (0.5 * yaw).sin(),
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        assert_eq!(told["impacts"], 0, "case {case}");
+        let end = &told["final"]["positions"]["load"];
+        let time = speed / (friction * G);
+        let way = if time < 1.5 { 0.5 * speed * time } else { speed * 1.5 - 0.5 * friction * G * 2.25 };
+        assert!((number(&end[0]) - way).abs() < 1e-7, "case {case}: {end} not {way}");
+        assert!(number(&end[1]).abs() < 1e-7, "case {case}: {end}");
+    }
+}
+
+/// A box that stands in the way of another on the same floor is hit all the same: their sides meet at their rims.
+#[test]
+fn what_stands_in_the_way_is_hit() {
+    let (bench, mut random) = (Bench::new(), Random::new(82));
+    for _ in 0..6 {
+        let (first, second) = (random.between(0.5, 3.0), random.between(0.5, 3.0));
+        let (speed, restitution) = (random.between(0.5, 2.0), random.between(0.0, 1.0));
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 1.0, tolerance = 1e-9 }}\n\
+                 [[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"one\"\nmass = {first:?}\ninertia = [0.01, 0.01, 0.01]\nshape = {{ box = [0.2, 0.2, 0.2] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[body]]\nname = \"two\"\nmass = {second:?}\ninertia = [0.01, 0.01, 0.01]\nshape = {{ box = [0.2, 0.2, 0.2] }}\n\
+                 hinge = {{ type = \"free\", position = [0.4, 0, 0.1, 1, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"floor\", \"*\"]\nfriction = 0.0\n\
+                 [[contact]]\nbetween = [\"one\", \"two\"]\nfriction = 0.0\nrestitution = {restitution:?}\n"
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let after =
+            |own: f64, other: f64, sign: f64| (first * speed + sign * other * restitution * speed) / (own + other);
+        let found = ["one", "two"].map(|name| number(&told["final"]["velocities"][name][0]));
+        let right = [after(first, second, -1.0), after(second, first, 1.0)];
+        assert!((0..2).all(|i| (found[i] - right[i]).abs() < 1e-7), "{found:?} not {right:?}");
+    }
+}
+
+/// An upright cylinder slides off a table: it stands flat until its middle is `μ h/2` before the edge, then tips about the edge as a box
+/// would do. By the equations of a body that slides on an edge, integrated here.
+#[test]
+fn a_cylinder_tips_over_an_edge_as_a_box_does() {
+    let bench = Bench::new();
+    let (radius, height, mass, inertia) = (0.06, 0.1, 0.5, 0.001);
+    for (speed, friction) in [(1.5, 0.2), (1.4, 0.1)] {
+        let mut angles = Vec::new();
+        for shape in
+            [format!("cylinder = [{radius:?}, {height:?}]"), format!("box = [{:?}, 0.1, {height:?}]", 2.0 * radius)]
+        {
+            bench.write(
+                "scene.toml",
+                format!(
+                    "simulate = {{ start = \"given\", duration = 0.3, tolerance = 1e-9 }}\nrecord = {{ rate = 100.0 }}\n\
+                     [[body]]\nname = \"table\"\nshape = {{ box = [2.0, 1, 0.1], at = [-1.0, 0, -0.05] }}\nhinge = {{ type = \"fixed\" }}\n\
+                     [[body]]\nname = \"load\"\nmass = {mass:?}\ninertia = [0.002, {inertia:?}, 0.001]\nshape = {{ {shape} }}\n\
+                     hinge = {{ type = \"free\", position = [-0.3, 0, 0.05, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                     [[contact]]\nbetween = [\"table\", \"load\"]\nfriction = {friction:?}\n"
+                ),
+            );
+            let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+            assert!(number(&told["energy_drift"]) < 1e-8, "{shape}: {}", told["energy_drift"]);
+            assert_eq!(told["capture_steps"], 0, "{shape}");
+            angles.push(columns(&bench, &["load.qy"]).remove(0));
+        }
+        let [round, square] = &angles[..] else { unreachable!() };
+        assert!(square.last().is_some_and(|angle| *angle > 0.01), "it tips");
+        let off = round.iter().zip(square).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Both meet the edge with other points: their events are found at times that differ.
+        assert!(off < 1e-6, "{speed}: {off}");
+    }
+}
+
+/// Four wheels, two of them driven with a torque T: as long as what each bears is within its cone a car rolls with
+/// `a = (T₁ + T₂)/r / (m + 4 I/r²)`, from the first sample on; beyond, the driven ones slip.
+#[test]
+fn wheels_at_the_limit_of_their_grip_act_alike() {
+    let bench = Bench::new();
+    let (radius, inertia, mass, axle) = (0.1, 0.002, 12.0, 0.3);
+    let grip = 0.3;
+    for torque in [0.3, 0.9, 0.95, 0.96, 0.98, 1.0, 1.5, 3.0] {
+        let wheel = |name: &str, x: f64, y: f64| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmass = 0.5\ninertia = [{inertia:?}, {inertia:?}, {inertia:?}]\nshape = {{ sphere = {radius:?} }}\n\
+                 hinge = {{ type = \"revolute\", axis = [0, 1, 0], parent = \"car\", at = [{x:?}, {y:?}, 0] }}\n"
+            )
+        };
+        let motor = |name: &str| {
+            format!("[[motor]]\nname = \"m {name}\"\nhinge = \"{name}\"\ntype = \"constant\"\nforce = {torque:?}\n")
+        };
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.2, tolerance = 1e-8 }}\nrecord = {{ rate = 50.0 }}\n\
+                 [[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"car\"\nmass = 10.0\ninertia = [0.12, 0.3, 0.4]\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {radius:?}, 1, 0, 0, 0] }}\n{}{}{}{}{}{}\
+                 [[contact]]\nbetween = [\"floor\", \"w*\"]\nfriction = {grip:?}\n\
+                 [[output]]\nname = \"a\"\ntype = \"acceleration\"\nof = \"car\"\naxis = [1, 0, 0]\n\
+                 [[output]]\nname = \"b\"\ntype = \"acceleration\"\nof = \"car\"\naxis = [0, 1, 0]\n",
+                wheel("w0", axle, 0.2),
+                wheel("w1", axle, -0.2),
+                wheel("w2", -axle, 0.2),
+                wheel("w3", -axle, -0.2),
+                motor("w2"),
+                motor("w3"),
+            ),
+        );
+        bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0);
+        // All roll, with T/r − I a/r² at each rear wheel; or these slip, and with moments about the middle of all
+        // m a = 2 μ N − 2 I a/r²,   4 l N = m g l + m a r + 2 I a/r + 2 (T − μ N r).
+        let rolls = 2.0 * torque / radius / (mass + 4.0 * inertia / (radius * radius));
+        let bears = |a: f64, spin: f64| {
+            0.25 * mass * G + (mass * a * radius + 2.0 * inertia * a / radius + 2.0 * inertia * spin) / (4.0 * axle)
+        };
+        let needs = torque / radius - inertia * rolls / (radius * radius);
+        let right = if needs <= grip * bears(rolls, rolls / radius) {
+            rolls
+        } else {
+            let by_a = (mass * radius + 2.0 * inertia / radius) / (4.0 * axle);
+            let load = (0.25 * mass * G + 2.0 * torque / (4.0 * axle), 1.0 + 2.0 * grip * radius / (4.0 * axle));
+            let held = mass + 2.0 * inertia / (radius * radius);
+            2.0 * grip * load.0 / (load.1 * held - 2.0 * grip * by_a)
+        };
+        let [a, b] = <[Vec<f64>; 2]>::try_from(columns(&bench, &["a ", "b "])).expect("two columns");
+        let off = a.iter().map(|a| (a - right).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6 * right, "{torque}: {a:?}, not {right}");
+        assert!(b.iter().all(|b| b.abs() < 1e-8), "{torque}: {b:?}");
+    }
+}
+
+/// What a controller sets at the very start lifts what touches at once, and pulls a cart from under what it carries.
+#[test]
+fn contacts_know_what_controllers_set_at_the_start() {
+    let (bench, mut random) = (Bench::new(), Random::new(83));
+    for case in 0..8 {
+        let (cart, load, push) = (random.between(0.5, 2.0), random.between(0.5, 2.0), random.between(5.0, 40.0));
+        let (friction, lifts) = (random.between(0.1, 0.5), case % 2 == 0);
+        let axis = if lifts { "[0, 0, 1]" } else { "[1, 0, 0]" };
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.4, tolerance = 1e-9 }}\nrecord = {{ rate = 20.0 }}\n\
+                 [[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1], at = [0, 0, -0.2] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"cart\"\nmass = {cart:?}\ninertia = [0.1, 0.1, 0.1]\nshape = {{ box = [9, 1, 0.2], at = [0, 0, -0.1] }}\n\
+                 hinge = {{ type = \"prismatic\", axis = {axis} }}\n\
+                 [[body]]\nname = \"load\"\nmass = {load:?}\ninertia = [0.1, 0.1, 0.1]\nshape = {{ box = [0.4, 0.4, 0.1] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, 0.05, 1, 0, 0, 0] }}\n\
+                 [[motor]]\nname = \"pull\"\ntype = \"input\"\nhinge = \"cart\"\n\
+                 [[output]]\nname = \"x\"\ntype = \"coordinate\"\nof = \"cart\"\n\
+                 [[controller]]\nname = \"c\"\ntype = \"expression\"\nperiod = 0.5\nsenses = \"x\"\ndrives = \"pull\"\nexpression = \"{push:?}\"\n\
+                 [[contact]]\nbetween = [\"cart\", \"load\"]\nfriction = {friction:?}\n\
+                 {}",
+                if lifts { "[[contact]]\nbetween = [\"floor\", \"cart\"]\nfriction = 0.0\n" } else { "" }
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let together = push / (cart + load);
+        let a = match (lifts, together <= friction * G) {
+            (true, _) => (together - G).max(0.0),
+            (false, true) => together,
+            (false, false) => (push - friction * load * G) / cart,
+        };
+        let end = number(&told["final"]["positions"]["cart"][0]);
+        assert!((end - 0.08 * a).abs() < 1e-8 * (1.0 + a), "{lifts} {push} {cart} {load} {friction}: {end}");
+    }
+}
