@@ -6,6 +6,7 @@
 mod cable;
 mod check;
 mod expand;
+#[cfg(feature = "scenario")]
 mod locked;
 mod wound;
 
