@@ -145,33 +145,16 @@ impl Unary {
             Self::Cosh if x.has(0.0) => smooth(x.ends(at).around(Range::point(1.0))),
             // What is not defined at one of the ends may be anything; at both, on one side of zero, it is so nowhere between.
             _ if self.bends() && !x.has(0.0) && at(x.low).is_nan() && at(x.high).is_nan() => smooth(Range::NOTHING),
-            Self::Minus
-            | Self::Tan
-            | Self::Asin
-            | Self::Acos
-            | Self::Atan
-            | Self::Sinh
-            | Self::Cosh
-            | Self::Tanh
-            | Self::Asinh
-            | Self::Acosh
-            | Self::Atanh
-            | Self::Exp
-            | Self::Ln
-            | Self::Log2
-            | Self::Log10
-            | Self::Sqrt
-            | Self::Cbrt => smooth(x.ends(at)),
             Self::Abs if x.has(0.0) => (x.ends(at).around(Range::point(0.0)), true),
             Self::Not if x.has(0.0) => (Range::new(0.0, 1.0), true),
             Self::Sign if x.has(0.0) => (Range::new(-1.0, 1.0), true),
-            Self::Abs | Self::Not | Self::Sign => smooth(x.ends(at)),
             Self::Floor | Self::Ceil | Self::Round | Self::Trunc => {
                 let ends = x.ends(at);
                 (ends, !ends.is_point())
             }
-            Self::Fract if x.low.trunc() == x.high.trunc() => smooth(x.ends(at)),
-            Self::Fract => (Range::new(-1.0, 1.0), true),
+            Self::Fract if x.low.trunc() != x.high.trunc() => (Range::new(-1.0, 1.0), true),
+            // What rises or falls all the way.
+            _ => smooth(x.ends(at)),
         }
     }
 

@@ -20,8 +20,6 @@ use nalgebra::Vector3;
 
 /// Rounds of (3).
 const MOST_ROUNDS: usize = 12;
-/// Forces that are not unique are within their cones by at least this part of the largest, as the linear program that says so is not exact.
-const CLEARLY: f64 = 1e-5;
 /// Directions of slips that begin are found to this part of their acceleration.
 const ALONG: f64 = 1e-11;
 
@@ -48,12 +46,12 @@ impl Contacts {
             self.reserve.take();
             let within = self.reserve() >= -BEYOND;
             // Forces that are not unique may be within their cones though those of least norm are not.
-            let is_held = self.reserve() >= CLEARLY && less <= 0.0;
+            let is_held = within && less <= 0.0;
             // Of rows that depend on each other some are not kept: what they say has to hold all the same.
-            let moves = |(closed, rate): (&Closed, &Vector3<f64>)| {
+            let drifts = |(closed, rate): (&Closed, &Vector3<f64>)| {
                 closed.state == ContactState::Stick && rate.yz().norm() > SINKS * size
             };
-            if self.closed.iter().zip(&fits.rates).any(moves) {
+            if self.closed.iter().zip(&fits.rates).any(drifts) {
                 return Ok(false);
             }
             let next: Vec<_> =

@@ -65,8 +65,6 @@ pub(in crate::simulate) struct Changed {
 
 /// What states of contacts give.
 pub(super) struct Fits {
-    /// Whether forces are within their cones and nothing sinks that is open.
-    pub(super) holds: bool,
     /// Whether nothing sinks that is open.
     pub(super) rises: bool,
     /// Whether slips that begin are against friction.
@@ -272,10 +270,9 @@ impl Contacts {
             }
             self.read(&touching, &frames, &found, size);
             let fits = self.fits(system, state, &frames, size)?;
+            let (is_found, holds) = (found.change <= FOUND, fits.rises && self.reserve() >= -BEYOND);
             // Of the right states forces may be out of their cones by rounding.
-            if fits.holds && (fits.brakes || tried == SWEEPS.len() || found.change <= FOUND)
-                || found.change <= FOUND && self.reserve() >= -SETTLED
-            {
+            if holds && (fits.brakes || is_found || tried == SWEEPS.len()) || is_found && self.reserve() >= -SETTLED {
                 return Ok(());
             }
             forces = found.forces;
@@ -426,14 +423,12 @@ impl Contacts {
             self.turn(turn >= MOST_TURNS);
         }
         let rigid = |frame: &&Frame| self.is_rigid(frame.key.couple);
-        let rises = |frame: &Frame| (frame.rates(&a) + frame.bias).x >= -SINKS * size;
-        let rises = frames.iter().filter(rigid).all(rises);
-        let holds = self.reserve() >= -BEYOND && rises;
+        let rises = frames.iter().filter(rigid).all(|frame| (frame.rates(&a) + frame.bias).x >= -SINKS * size);
         let least = SLIPS * size;
         let rates: Vec<Vector3<f64>> = self.frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let all = self.closed.iter().zip(&self.frames).zip(&rates);
         let brakes = all.into_iter().all(|((closed, frame), rate)| self.brakes(closed, frame, rate, least));
-        Ok(Fits { holds, rises, brakes, rates })
+        Ok(Fits { rises, brakes, rates })
     }
 
     /// Whether a slip that begins is against its friction; one that moves has its direction, and what accelerates by less than `least`

@@ -1,5 +1,5 @@
 //! Contacts where surfaces end: joints of level tables are no steps, and what slides over an edge tips when its middle is beyond what
-//! friction allows. Wheels at the limit of their grip, contacts under a controller, and what settles with a beam.
+//! friction allows. Wheels at the limit of their grip, contacts under a controller, what settles with a beam, and the ledger of captured steps.
 
 use super::Bench;
 use crate::common::Random;
@@ -228,5 +228,82 @@ fn contacts_know_what_controllers_set_at_the_start() {
         };
         let end = number(&told["final"]["positions"]["cart"][0]);
         assert!((end - 0.08 * a).abs() < 1e-8 * (1.0 + a), "{lifts} {push} {cart} {load} {friction}: {end}");
+    }
+}
+
+/// The tip of a cantilever that a load presses onto a floor slides inwards while it settles: it ends where friction just holds it, that stands, and
+/// a run from there stays.
+#[test]
+fn what_has_slid_to_where_it_stays_stands() {
+    let (bench, mut random) = (Bench::new(), Random::new(84));
+    for _ in 0..4 {
+        let (load, friction) = (random.between(0.2, 0.6), random.between(0.1, 0.5));
+        // Without the floor the tip would go down by F L³/3 E I, with E I = 8.33 N m².
+        let gap = load / 25.0 * random.between(0.2, 0.6);
+        bench.write(
+            "scene.toml",
+            format!(
+                "gravity = [0, 0, 0]\nsimulate = {{ start = \"equilibrium\", duration = 0.1 }}\nstatics = {{ contact = \"settle\" }}\n\
+                 [[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1], at = [0, 0, {:?}] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"tip\"\nmass = 0.5\ninertia = [0.001, 0.001, 0.001]\nshape = {{ sphere = 0.03 }}\n\
+                 hinge = {{ type = \"fixed\", parent = \"arm\" }}\n\
+                 [[beam]]\nname = \"arm\"\nhinge = {{ type = \"fixed\" }}\nlength = 1.0\nelements = 2\nsection = {{ rectangle = [0.05, 0.01] }}\n\
+                 material = {{ young = 2e9, poisson = 0.3, density = 1000.0 }}\n\
+                 [[force]]\nname = \"load\"\ntype = \"load\"\non = \"tip\"\nforce = [0, 0, {:?}]\n\
+                 [[contact]]\nbetween = [\"floor\", \"tip\"]\nfriction = {friction:?}\n",
+                -0.03 - gap,
+                -load
+            ),
+        );
+        let told = bench.call(&["statics", "scene.toml", "--json"]).code(0).json();
+        assert_eq!(told["standing"]["verdict"], "stands");
+        // What the beam does not bear; its moments lengthen nothing, and the tip goes inwards by 3 w²/5 L.
+        let bears = number(&told["standing"]["forces"][0]["force"][2]);
+        assert!((bears - load + 25.0 * gap).abs() < 0.02 * load, "{bears} of {load}, {gap}");
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        assert_eq!(told["energy_dissipated"], 0.0);
+    }
+}
+
+/// A table with dry friction in its hinge is driven with a load on it, by captured steps: at every sample its friction has taken out `μ` times its
+/// path, and the drive has put in that and what the kinetic energy has more.
+#[test]
+fn ledgers_of_captured_steps_are_those_of_their_time() {
+    let (bench, mut random) = (Bench::new(), Random::new(85));
+    for _ in 0..4 {
+        let (table, load, rubs) = (random.between(2.0, 6.0), random.between(0.5, 2.0), random.between(0.5, 2.0));
+        let (amplitude, frequency) = (random.between(0.01, 0.03), random.between(1.0, 2.5));
+        let pace = std::f64::consts::TAU * frequency;
+        let speed = amplitude * pace;
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.4, tolerance = 1e-6 }}\nrecord = {{ rate = 200.0 }}\n\
+                 [[body]]\nname = \"table\"\nmass = {table:?}\ninertia = [1, 1, 1]\nshape = {{ box = [2, 2, 0.1], at = [0, 0, -0.05] }}\n\
+                 hinge = {{ type = \"prismatic\", axis = [1, 0, 0], friction = {rubs:?}, velocity = {speed:?} }}\n\
+                 [[body]]\nname = \"load\"\nmass = {load:?}\ninertia = [0.01, 0.01, 0.01]\nshape = {{ box = [0.3, 0.3, 0.1] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, 0.05, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"table\", \"load\"]\nfriction = 0.9\n\
+                 [[drive]]\nhinge = \"table\"\ntype = \"sine\"\namplitude = {amplitude:?}\nfrequency = {frequency:?}\n"
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        assert!(number(&told["capture_steps"]) > 0.0, "they are captured");
+        let [time, work, dissipated] =
+            <[Vec<f64>; 3]>::try_from(columns(&bench, &["time", "work", "dissipated"])).expect("three columns");
+        let kinetic = |time: f64| 0.5 * (table + load) * (speed * (pace * time).cos()).powi(2);
+        // |sin| goes up and down: half a turn is twice the amplitude.
+        let path = |time: f64| {
+            let quarters = pace * time / std::f64::consts::FRAC_PI_2;
+            let (whole, rest) = ((quarters / 2.0 + 0.5).floor(), (pace * time).sin());
+            amplitude * (2.0 * whole + if whole % 2.0 == 0.0 { rest } else { -rest })
+        };
+        // Captured steps are of order 1 where friction turns round.
+        let most = 1e-3 * kinetic(0.0);
+        for ((time, work), dissipated) in time.into_iter().zip(work).zip(dissipated) {
+            let (taken, given) = (rubs * path(time), rubs * path(time) + kinetic(time) - kinetic(0.0));
+            assert!((dissipated - taken).abs() < most, "{time} s: {dissipated} J taken out, not {taken}");
+            assert!((work - given).abs() < most, "{time} s: {work} J put in, not {given}");
+        }
     }
 }
