@@ -204,7 +204,7 @@ impl Equilibrium {
     /// The equations about the equilibrium, `ẋ = A x + B u`, `y = C x + D u`: from inputs by their addresses (all motors of type `input`
     /// unless others are named) to outputs by name (all).
     #[pyo3(signature = (inputs = None, outputs = None))]
-    fn linearize(&self, inputs: Option<Vec<String>>, outputs: Option<Vec<String>>) -> PyResult<Linear> {
+    pub(crate) fn linearize(&self, inputs: Option<Vec<String>>, outputs: Option<Vec<String>>) -> PyResult<Linear> {
         let held = &self.held;
         let linear = stillpoint::cli::linearize_about(&held.description, &held.model, &held.found, inputs, outputs);
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))

@@ -6,6 +6,7 @@ use crate::dynamics::{self, Dynamics};
 use crate::equilibrium::Equilibrium;
 use crate::fit;
 use crate::interrupt::Interrupt;
+use crate::linear::Linear;
 use crate::path;
 use crate::run::{Asked, Done, Run, run};
 use crate::simulator::Simulator;
@@ -212,6 +213,25 @@ impl Scene {
         let error = NoEquilibrium::new_err(equilibrium.why());
         error.value(py).setattr("answer", Py::new(py, equilibrium)?)?;
         Err(error)
+    }
+
+    /// The equations about the equilibrium, or about a state `start = (q, v)` as it stands: from inputs by their addresses (all motors of
+    /// type `input` unless others are named) to outputs by name (all).
+    #[pyo3(signature = (inputs = None, outputs = None, *, start = None))]
+    fn linearize(
+        slf: &Bound<'_, Self>,
+        inputs: Option<Vec<String>>,
+        outputs: Option<Vec<String>>,
+        start: Option<(Vec<f64>, Vec<f64>)>,
+    ) -> PyResult<Linear> {
+        let Some((position, velocity)) = start else {
+            return Self::equilibrium(slf)?.linearize(inputs, outputs);
+        };
+        let Self { model, scenario, .. } = slf.get();
+        let state = closed(model, fitting(model, State { position, velocity })?)?;
+        let place = (scenario.simulate.begin(), state);
+        let linear = stillpoint::cli::linearize_at(&scenario.description, model, place, inputs, outputs);
+        linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
     }
 
     /// A run. It starts where the file says; a number of samples per second, and what the file has in `[simulate]`, may be given.
@@ -451,19 +471,21 @@ impl Scene {
                 (Arc::clone(&this.model), State { position, velocity })
             }
         };
-        let wrong = start.position.len() != model.position_count() || start.velocity.len() != model.velocity_count();
-        if wrong {
-            let (q, v) = (model.position_count(), model.velocity_count());
-            return Err(PyValueError::new_err(format!(
-                "`start` has {} positions and {} velocities, the scene {q} and {v}",
-                start.position.len(),
-                start.velocity.len()
-            )));
-        }
-        let start = if is_given { closed(&model, start)? } else { start };
+        let start = if is_given { closed(&model, fitting(&model, start)?)? } else { start };
         let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
         Ok(Asked { model, settings, rate, start, name, text })
     }
+}
+
+/// A start with as many numbers as the scene has.
+fn fitting(model: &Model, start: State) -> PyResult<State> {
+    let (q, v) = (model.position_count(), model.velocity_count());
+    let given = (start.position.len(), start.velocity.len());
+    if given == (q, v) {
+        return Ok(start);
+    }
+    let message = format!("`start` has {} positions and {} velocities, the scene {q} and {v}", given.0, given.1);
+    Err(PyValueError::new_err(message))
 }
 
 /// A state from outside as one of a file: what loops, drives and gears decide follows.

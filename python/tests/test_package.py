@@ -205,6 +205,14 @@ def test_linear_equations_are_those_of_the_program_and_of_the_modes():
     for name in "ABCD":
         assert np.array_equal(getattr(linear, name), np.array(told[name]).reshape(getattr(linear, name).shape))
     assert linear.states == told["states"] and set(linear.outputs) <= set(rest.outputs)
+    scene = stillpoint.load(path)
+    assert np.array_equal(scene.linearize(["bump"], ["camber"]).C, rest.linearize(["bump"], ["camber"]).C)
+    swing = stillpoint.describe(PENDULUM)
+    by_position, by_velocity = swing.dynamics().derivatives([0.4], [0.3])
+    about = swing.linearize(start=([0.4], [0.3])).A
+    assert np.allclose(about[1:], np.hstack([by_position, by_velocity]), rtol=1e-9, atol=1e-9)
+    with pytest.raises(ValueError, match="`start` has 2 positions"):
+        swing.linearize(start=([0.4, 0.1], [0.3]))
     pendulum = stillpoint.describe(PENDULUM).equilibrium()
     roots = np.linalg.eigvals(pendulum.linearize().A)
     assert np.allclose(np.abs(roots.imag), 2 * math.pi * pendulum.modes[0].frequency, rtol=1e-9)

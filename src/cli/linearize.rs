@@ -9,6 +9,7 @@ use super::{Common, Exit, json, output, pixels, scene, statics, text};
 use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
 use crate::model::motor::MotorLawDescription;
 use crate::model::{Description, Model, StopLaw};
+use crate::simulate::State;
 use crate::statics::Equilibrium;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -64,14 +65,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     arguments.out.iter().chain(&arguments.bode).try_for_each(|written| read.spare(written))?;
     let format = arguments.out.as_deref().map(files::Format::of).transpose()?;
     let place = match arguments.start {
-        Some(_) => Place {
-            time: scenario.simulate.begin(),
-            position: model.start_position.clone(),
-            velocity: model.start_velocity.clone(),
-            multipliers: None,
-            held: Vec::new(),
-            pressed: Vec::new(),
-        },
+        Some(_) => {
+            let (position, velocity) = (model.start_position.clone(), model.start_velocity.clone());
+            of_state(scenario.simulate.begin(), State { position, velocity })
+        }
         None => {
             let (found, _) = statics::find(&mut scenario, &mut model)?;
             if !found.converged {
@@ -123,6 +120,24 @@ pub(super) fn about_equilibrium(
     output: &[String],
 ) -> anyhow::Result<StateSpace> {
     about(model, &of_equilibrium(model, found), &inputs(input, description, model)?, output)
+}
+
+/// These equations about a state as it stands, at a time (s).
+///
+/// # Errors
+/// As [`about_equilibrium`].
+pub(super) fn about_state(
+    description: &Description,
+    model: &Arc<Model>,
+    (time, state): (f64, State),
+    input: &[String],
+    output: &[String],
+) -> anyhow::Result<StateSpace> {
+    about(model, &of_state(time, state), &inputs(input, description, model)?, output)
+}
+
+fn of_state(time: f64, State { position, velocity }: State) -> Place {
+    Place { time, position, velocity, multipliers: None, held: Vec::new(), pressed: Vec::new() }
 }
 
 fn about(model: &Arc<Model>, place: &Place, inputs: &[Input], output: &[String]) -> anyhow::Result<StateSpace> {

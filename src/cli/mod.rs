@@ -50,7 +50,7 @@ mod watch;
 
 use crate::linear::StateSpace;
 use crate::model::{Description, Model};
-use crate::simulate::Summary;
+use crate::simulate::{State, Summary};
 use crate::statics::Equilibrium;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -244,6 +244,21 @@ pub fn linearize_about(
 ) -> anyhow::Result<StateSpace> {
     let [inputs, outputs] = [inputs, outputs].map(Option::unwrap_or_default);
     linearize::about_equilibrium(description, model, found, &inputs, &outputs)
+}
+
+/// These equations about a state as it stands, as `linearize --start` has them; `time` in s.
+///
+/// # Errors
+/// As [`linearize_about`].
+pub fn linearize_at(
+    description: &Description,
+    model: &Arc<Model>,
+    (time, state): (f64, State),
+    inputs: Option<Vec<String>>,
+    outputs: Option<Vec<String>>,
+) -> anyhow::Result<StateSpace> {
+    let [inputs, outputs] = [inputs, outputs].map(Option::unwrap_or_default);
+    linearize::about_state(description, model, (time, state), &inputs, &outputs)
 }
 
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is

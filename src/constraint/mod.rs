@@ -45,7 +45,7 @@ mod selection;
 mod sizes;
 
 use crate::element::modal::MOST_MODAL_COORDINATES;
-use crate::model::{Joint, Link, Model};
+use crate::model::{Link, Model};
 use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -468,11 +468,11 @@ impl Constraints {
                 for link in way {
                     let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
                     let put = |velocity: usize, value: f64| put(unknown, velocity, value);
-                    match given.joint {
-                        // At the frame, once for all of them.
-                        Joint::Interface { .. } => {}
-                        Joint::Modal { modal, .. } => project_modal(model, motion, (modal, given), passed, put),
-                        _ => crate::motion::project(motion, given, *link, &w, put),
+                    match given.joint.modal() {
+                        Some(modal) => project_modal(model, motion, (modal, given), passed, put),
+                        // What interfaces pass on is projected at the frame, once for all of them.
+                        None if given.joint.interface().is_some() => {}
+                        None => crate::motion::project(motion, given, *link, &w, put),
                     }
                     passed[given.parent] += w.shifted(at.arm);
                 }

@@ -35,7 +35,7 @@ pub(super) fn of_outputs(simulator: &Simulator, seed: &[f64]) -> Result<Vec<f64>
     let mut reactions = Vec::new();
     balanced.reactions(&mut reactions);
     let (stops, account, powers) = (&vec![0.0; v.len()][..], [0.0; 2], Powers::default());
-    let given = Given { accelerations: &a, reactions: &reactions, stops, energies, account, powers };
+    let given = Given { accelerations: &a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
     outputs.evaluate(&balanced, &given)?;
     let zero = vec![0.0; v.len()];
     let by = Varied { time: 0.0, position: &zero, velocity: &zero, acceleration: &answer };

@@ -38,6 +38,13 @@ pub struct Force {
     pub law: Law,
 }
 
+impl Force {
+    /// A force (N) at a point that keeps its direction in space.
+    pub fn dead(name: String, on: End, force: Vector3<f64>) -> Self {
+        Self { name, law: Law::Load(load::LoadLaw::dead(on, force)) }
+    }
+}
+
 macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident in $module:ident),+ $(,)?) => {
         $(pub mod $module;)+

@@ -8,7 +8,7 @@
 //! coordinates are rows of their own.
 
 use super::{Input, Place, Signal};
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use faer::Mat;
 use std::cmp::Ordering;
 
@@ -126,7 +126,8 @@ const STRAINS: [&str; 6] = ["stretch", "shear_y", "shear_z", "twist", "bend_y", 
 /// Of a coordinate of a beam's element which strain it is, and the degree of its polynomial.
 fn strain(model: &Model, velocity: usize) -> Option<(usize, usize)> {
     let body = &model.bodies[model.coordinates[velocity].body];
-    let Joint::Flex { rod, .. } = model.links[body.link].joint else { return None };
+    let joint = &model.links[body.link].joint;
+    let rod = joint.rod().filter(|_| joint.is_flex())?;
     let (rod, index) = (&model.rods[rod], velocity - model.links[body.link].velocity);
     Some((rod.strain_of(index), index / rod.free_strains().count()))
 }

@@ -322,7 +322,7 @@ fn tell(
     let mut reactions = Vec::new();
     balanced.reactions(&mut reactions);
     let (stops, account, powers) = (&[][..], [0.0; 2], Powers::default());
-    let given = Given { accelerations: a, reactions: &reactions, stops, energies, account, powers };
+    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
     outputs.evaluate(&balanced, &given)?;
     let spread = |column: &dyn Fn(usize) -> f64| -> Vec<f64> {
         (0..a.len()).map(|i| (0..count).map(|k| basis.columns[(i, k)] * column(k)).sum()).collect()

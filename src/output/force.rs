@@ -2,12 +2,14 @@
 //!
 //! Of what pulls along a line: the pull, tension > 0. Of motors, drives, gears and stops: what they push their coordinate
 //! with, of gears the first one. Of bushings and loads: force and moment on the body of the last point, at that point; of
-//! loops on the body of the second end; inertial axes.
+//! loops on the body of the second end; of contacts the force on the second bodies, summed over all that touches; inertial
+//! axes.
 
 use super::question::{At, Measure, Variation};
 use crate::force::{Act, Force};
 use crate::model::output::{ForceQuantity, LengthQuantity, Source};
 use crate::spatial::Wrench;
+use nalgebra::Vector3;
 
 impl ForceQuantity {
     fn six(&self, wrench: &Wrench, out: &mut [f64]) {
@@ -74,6 +76,10 @@ impl Measure for ForceQuantity {
                 Some(reaction) => self.six(&Wrench { force: reaction.force, moment: reaction.moment }, out),
                 None => out.fill(f64::NAN),
             },
+            Source::Contact(rule) => {
+                let force = at.given.contacts.get(*rule).copied().unwrap_or_default();
+                self.six(&Wrench { force, moment: Vector3::zeros() }, out);
+            }
             Source::Stops(velocities) => {
                 let push = |velocity: &usize| at.given.stops.get(*velocity).copied().unwrap_or(0.0);
                 out.iter_mut().zip(velocities).for_each(|(out, velocity)| *out = push(velocity));

@@ -4,6 +4,7 @@ use crate::constraint::LoopReaction;
 use crate::dynamics::{Balanced, Energies, Powers};
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
+use nalgebra::Vector3;
 
 /// What a caller knows of a place besides its force balance.
 #[derive(Debug, Clone, Copy)]
@@ -14,6 +15,8 @@ pub struct Given<'a> {
     pub reactions: &'a [Wrench],
     /// What stops push each velocity coordinate with (N or N m); empty if none is touched.
     pub stops: &'a [f64],
+    /// What each contact of the model exerts on its second bodies, inertial axes (N); empty if nothing touches.
+    pub contacts: &'a [Vector3<f64>],
     /// Energies, with those of stops.
     pub energies: Energies,
     /// Work put in and energy taken out since the start of a run (J); zero in statics.

@@ -49,6 +49,8 @@ pub struct Motion {
     pub(super) nonsmooth: Option<Nonsmooth>,
     /// What touches; `None` for a model without contact, and one that contact holds at rest.
     pub(super) contacts: Option<Box<Contacts>>,
+    /// What the contacts of a scene that they hold at rest push with, rule by rule (N): its model has that as loads.
+    pub(super) resting: Vec<Vector3<f64>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     pub(super) passage: Option<Passage>,
     /// How far a step may go.
@@ -94,6 +96,7 @@ impl Motion {
             tangent,
             nonsmooth,
             contacts,
+            resting: Vec::new(),
             passage,
             allowed,
             balance,
@@ -256,6 +259,15 @@ impl Motion {
         }));
         if !evaluated {
             a.fill(f64::NAN);
+        }
+    }
+
+    /// `out` ← what each contact rule exerts on its second bodies at a state whose accelerations were the last ones (N, inertial axes);
+    /// empty for a scene without contact.
+    pub(super) fn contact_forces(&self, out: &mut Vec<Vector3<f64>>) {
+        match &self.contacts {
+            Some(contacts) => contacts.by_rule(out),
+            None => out.clone_from(&self.resting),
         }
     }
 

@@ -21,7 +21,8 @@ use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
-use crate::statics::standing::{BearingContacts, ContactForce, Verdict, bearing, overlap, with_contacts};
+use crate::statics::standing::{BearingContacts, ContactForce, Verdict, bearing, by_rule, overlap, with_contacts};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -62,6 +63,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
             return Ok(Some(HeldAtRest {
                 model: with_contacts(model, &state.position, &found.contacts),
                 contacts: pushes(model, &found),
+                by_rule: by_rule(model, &found.contacts),
             }));
         }
         Some(found) if found.verdict == Verdict::Wedged => {
@@ -121,6 +123,8 @@ pub(super) struct HeldAtRest {
     pub(super) model: Arc<Model>,
     /// These forces.
     pub(super) contacts: Vec<ContactPush>,
+    /// Their sums, contact rule by contact rule (N).
+    pub(super) by_rule: Vec<Vector3<f64>>,
 }
 
 fn pushes(model: &Model, found: &BearingContacts) -> Vec<ContactPush> {

@@ -4,6 +4,7 @@
 mod cholesky;
 mod general;
 mod gram;
+mod pivoted;
 mod products;
 mod rank;
 mod rows;
@@ -12,6 +13,7 @@ mod triangular;
 pub(crate) use cholesky::Cholesky;
 pub(crate) use general::General;
 pub use gram::Gram;
+pub(crate) use pivoted::Pivoted;
 pub(crate) use products::products;
 pub(crate) use rank::{kernel, rank};
 pub use rows::SparseRows;

@@ -368,7 +368,15 @@ impl<'a> Moving<'a> {
             balanced.reactions(&mut reactions);
             let pushes = bearing::pushes(&stops, &set, &q, &residual);
             let (accelerations, account) = (&rest[..], [0.0; 2]);
-            let given = Given { accelerations, reactions: &reactions, stops: &pushes, energies, account, powers };
+            let given = Given {
+                accelerations,
+                reactions: &reactions,
+                stops: &pushes,
+                contacts: &[],
+                energies,
+                account,
+                powers,
+            };
             let outputs = match &mut asked {
                 Some(asked) => asked.evaluate(&balanced, &given)?.to_vec(),
                 None => Vec::new(),

@@ -1,7 +1,7 @@
 //! The outputs of an equilibrium, and what its beams bear.
 
 use super::certify::equilibrium::Equilibrium;
-use super::standing::with_contacts;
+use super::standing::{by_rule, with_contacts};
 use crate::dynamics::{Balanced, BeamState, DiagramPoint, Fault, Powers, System};
 use crate::model::Model;
 use crate::output::{Given, Outputs};
@@ -35,8 +35,16 @@ pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Faul
     energies.potential += found.stops.iter().map(|bearing| 0.5 * bearing.load * bearing.depth).sum::<f64>();
     let mut residual = rest.clone();
     let balanced = at.residual(&rest, &mut residual)?;
-    let given =
-        Given { accelerations: &rest, reactions: &found.reactions, stops: &stops, energies, account: [0.0; 2], powers };
+    let contacts = found.standing.as_ref().map_or_else(Vec::new, |standing| by_rule(model, &standing.contacts));
+    let given = Given {
+        accelerations: &rest,
+        reactions: &found.reactions,
+        stops: &stops,
+        contacts: &contacts,
+        energies,
+        account: [0.0; 2],
+        powers,
+    };
     Ok(outputs.evaluate(&balanced, &given)?.to_vec())
 }
 

@@ -15,6 +15,7 @@ use super::column::Column;
 use super::parquet;
 use super::pool::Part;
 use crate::model::shape::Geometry;
+use crate::spatial::lanes::WIDTH;
 use crate::whole_file::{self, WholeFile};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -90,7 +91,9 @@ impl Dataset {
     pub fn new(folder: &Path, cases: &Cases, rows: Option<u64>) -> Result<Self, DatasetError> {
         let count = cases.plan.cases();
         let fit = MOST_ROWS.min((MOST_CELLS / cases.columns().len() as u64).max(1));
-        let rows = rows.unwrap_or(count.div_ceil(PARTS).clamp(1, fit));
+        // What is computed side by side is in one part.
+        let beside = if cases.may_go_together() { WIDTH as u64 } else { 1 };
+        let rows = rows.unwrap_or(count.div_ceil(PARTS).clamp(1, fit).next_multiple_of(beside));
         let hash = hash(cases, rows)?;
         Ok(Self { folder: folder.to_owned(), hash, columns: cases.columns().to_vec(), cases: count, rows })
     }

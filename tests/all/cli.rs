@@ -4,6 +4,8 @@ mod answers;
 #[cfg(feature = "friction")]
 mod arches;
 mod beside_contact;
+#[cfg(feature = "friction")]
+mod contact_outputs;
 mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;

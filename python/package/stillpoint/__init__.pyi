@@ -107,6 +107,13 @@ class Scene:
         points: int | None = None,
         branches: bool | None = None,
     ) -> Path: ...
+    def linearize(
+        self,
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+        *,
+        start: tuple[Sequence[float], Sequence[float]] | None = None,
+    ) -> Linear: ...
     def dynamics(self) -> Dynamics: ...
 
 class Table(dict[str, Any]):

@@ -243,12 +243,27 @@ impl Compiler<'_> {
             Source::Motor(motor) => push(self.model.motors[*motor].coordinate.slides),
             Source::Drive(drive) => push(self.model.drives[*drive].coordinate.slides),
             Source::Gear(gear) => push(self.model.gears[*gear].coordinates[0].slides),
+            Source::Contact(_) => match component {
+                None => vec!["N".to_owned(); 3],
+                Some(..3) => push(true),
+                Some(_) => {
+                    let name = &self.description.outputs[index].name;
+                    let message = format!("output `{name}`: the force of a contact has no moment");
+                    self.add(index, "component", message, "it has `fx`, `fy` and `fz`");
+                    return None;
+                }
+            },
             Source::Stops(velocities) => velocities.iter().flat_map(|at| push(slides(self.model, *at))).collect(),
         };
-        if component.is_some() && !matches!(source, Source::Element(_) | Source::Loop(_)) {
+        if component.is_some() && !matches!(source, Source::Element(_) | Source::Loop(_) | Source::Contact(_)) {
             let name = &self.description.outputs[index].name;
             let message = format!("output `{name}`: this force has no components");
-            self.add(index, "component", message, "six numbers have bushings, loads, and loops that are no rods");
+            self.add(
+                index,
+                "component",
+                message,
+                "bushings, loads, contacts, and loops that are no rods have components",
+            );
             return None;
         }
         Some((units, Quantity::Force(ForceQuantity { source, component })))

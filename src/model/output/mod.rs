@@ -73,9 +73,9 @@ pub enum QuantityDescription {
     },
     /// What a named element pushes or pulls with.
     Force {
-        /// Name of a force element, motor, drive, gear or loop, or of a body whose hinge has limits.
+        /// Name of a force element, motor, drive, gear, loop or contact, or of a body whose hinge has limits.
         of: String,
-        /// Which of six numbers, from 0; `None` for all of them.
+        /// Which of six numbers, of a contact of the first three, from 0; `None` for all of them.
         component: Option<usize>,
     },
     /// Length of a spring, curve, rope, beam or cable.
@@ -310,6 +310,8 @@ pub enum Source {
     Rod(usize),
     /// Index of any other loop: six numbers at its second end.
     Loop(usize),
+    /// Index of a contact: what all that touches by it exerts on the second bodies, three numbers.
+    Contact(usize),
     /// Velocity coordinates with stops.
     Stops(Vec<usize>),
 }

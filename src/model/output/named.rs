@@ -94,7 +94,9 @@ pub(super) fn source(description: &Description, model: &Model, name: &str) -> Re
         Closure::Rod { .. } => ("loop", Source::Rod(index)),
         Closure::Hinge(_) => ("loop", Source::Loop(index)),
     });
-    let mut found: Vec<(&str, Source)> = [force, motor, drive, gear, closed].into_iter().flatten().collect();
+    let contact =
+        find(&description.contacts, "contact", name, |one| &one.name).map(|index| ("contact", Source::Contact(index)));
+    let mut found: Vec<(&str, Source)> = [force, motor, drive, gear, closed, contact].into_iter().flatten().collect();
     if found.len() > 1 {
         let kinds: Vec<&str> = found.iter().map(|(kind, _)| *kind).collect();
         let help = format!("address one of them by its place, as `{}[0]`", kinds[0]);
@@ -114,17 +116,14 @@ pub(super) fn source(description: &Description, model: &Model, name: &str) -> Re
         let help = "a hinge without `limits` has no stops; what it passes on is `type = \"reaction\"`";
         return Err(unknown(format!("the hinge of `{name}` has no stops"), help.to_owned()));
     }
-    if description.contacts.iter().any(|contact| contact.name == name) {
-        let help = "`statics` reports forces of contacts in `standing`";
-        return Err(unknown(format!("`{name}` is a contact, whose force is no output yet"), help.to_owned()));
-    }
     let named = model.forces.iter().map(|one| one.name.as_str());
     let named = named.chain(model.motors.iter().map(|one| one.name.as_str()));
     let named = named.chain(model.drives.iter().map(|one| one.name.as_str()));
     let named = named.chain(model.gears.iter().map(|one| one.name.as_str()));
     let named = named.chain(model.loops.iter().map(|one| one.name.as_str()));
+    let named = named.chain(description.contacts.iter().map(|one| one.name.as_str()));
     let near = closest(name, named).map(|near| format!("did you mean `{near}`?"));
-    Err(unknown(format!("no force element, motor, drive, gear or loop is called `{name}`"), near))
+    Err(unknown(format!("no force element, motor, drive, gear, loop or contact is called `{name}`"), near))
 }
 
 /// The spring, curve or rope whose length is asked for.

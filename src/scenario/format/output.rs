@@ -19,7 +19,7 @@ pub const OUTPUT: Table = Table {
         ("rate", "Velocities of a hinge."),
         (
             "force",
-            "What an element pushes with: of springs, curves, ropes and rods the pull; of motors, drives, gears and stops the force in the coordinate; of bushings, loads and loops six numbers.",
+            "What an element pushes with: of springs, curves, ropes and rods the pull; of motors, drives, gears and stops the force in the coordinate; of bushings, loads and loops six numbers; of contacts the force on the second body.",
         ),
         ("length", "Length of a spring, a curve, the path of a rope, or the centre line of a beam or cable."),
         ("reaction", "What a hinge passes to its body at the body's root marker: force, then moment."),
@@ -53,7 +53,7 @@ pub const OUTPUT: Table = Table {
         Key::new(
             "of",
             Kind::Text,
-            "Name of a force element, motor, drive, gear or loop, `drive[0]` by its place, or of a body for the stops of its hinge.",
+            "Name of a force element, motor, drive, gear, loop or contact, `drive[0]` by its place, or of a body for the stops of its hinge.",
         )
         .required()
         .only(&["force"])
@@ -92,7 +92,7 @@ pub const OUTPUT: Table = Table {
             .default("\"inertial\"")
             .only(&["position", "velocity", "acceleration", "reaction"])
             .example("\"body\""),
-        Key::new("component", Kind::Choice(COMPONENTS), "The one of six numbers that is asked for; all without.")
+        Key::new("component", Kind::Choice(COMPONENTS), "The one of six numbers that is asked for, of a contact one of the first three; all without.")
             .only(&["reaction", "force"])
             .example("\"fz\""),
         Key::new(

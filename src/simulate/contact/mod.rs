@@ -328,17 +328,30 @@ impl Contacts {
     /// What bears in the last place.
     pub(super) fn pushes(&self, out: &mut Vec<ContactPush>) {
         out.clear();
-        let push = |couple: usize, meeting: &Meeting, force: Vector3<f64>, slips: bool| ContactPush {
-            between: self.between(couple),
-            point: meeting.point.into(),
-            normal: meeting.normal.into(),
-            force: force.into(),
-            slips,
-        };
+        self.each_push(&mut |couple, meeting, force, slips| {
+            out.push(ContactPush {
+                between: self.between(couple),
+                point: meeting.point.into(),
+                normal: meeting.normal.into(),
+                force: force.into(),
+                slips,
+            });
+        });
+    }
+
+    /// What each contact rule exerts on its second bodies in the last place (N, inertial axes).
+    pub(super) fn by_rule(&self, out: &mut Vec<Vector3<f64>>) {
+        out.clear();
+        out.resize(self.model.contacts.len(), Vector3::zeros());
+        self.each_push(&mut |couple, _, force, _| out[self.pairs.couples[couple].rule] += force);
+    }
+
+    /// Couple, place and force of what bears in the last place, and whether it slips.
+    fn each_push(&self, push: &mut dyn FnMut(usize, &Meeting, Vector3<f64>, bool)) {
         if !self.follows_steps() {
-            let bears = self.closed.iter().filter(|closed| closed.state != ContactState::Spare);
-            let slips = |closed: &Closed| matches!(closed.state, ContactState::Slip(_));
-            out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
+            for one in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
+                push(one.key.couple, &one.meeting, one.force, matches!(one.state, ContactState::Slip(_)));
+            }
             return;
         }
         for (key, force) in self.memory.pairs() {
@@ -346,7 +359,7 @@ impl Contacts {
             let normal = meeting.normal.dot(force);
             let across = (force - meeting.normal * normal).norm();
             let limit = self.law(key.couple).friction.slide * normal;
-            out.push(push(key.couple, &meeting, *force, !self.is_at_rest() && across >= limit * (1.0 - 1e-6)));
+            push(key.couple, &meeting, *force, !self.is_at_rest() && across >= limit * (1.0 - 1e-6));
         }
     }
 

@@ -45,7 +45,8 @@ impl Prepared {
         let Some(held) = held else {
             return Ok((Self { model: Arc::clone(model), state, contacts: Vec::new(), rests: false }, motion));
         };
-        let motion = Motion::new(&held.model);
+        let mut motion = Motion::new(&held.model);
+        motion.resting = held.by_rule;
         Ok((Self { model: held.model, state, contacts: held.contacts, rests: true }, motion))
     }
 }

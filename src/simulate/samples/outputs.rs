@@ -7,6 +7,7 @@ use crate::record::{Outcome, RecordError, Recorder, Sample};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
 use crate::spatial::Wrench;
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Evaluates the outputs of a model at states of a run, stops included.
@@ -22,6 +23,7 @@ pub(in crate::simulate) struct StateOutputs {
     residual: Vec<f64>,
     stops: Vec<f64>,
     reactions: Vec<Wrench>,
+    contacts: Vec<Vector3<f64>>,
 }
 
 impl StateOutputs {
@@ -38,6 +40,7 @@ impl StateOutputs {
             residual: vec![0.0; n],
             stops: vec![0.0; n],
             reactions: Vec::new(),
+            contacts: Vec::new(),
         })
     }
 
@@ -64,6 +67,7 @@ impl StateOutputs {
         motion.accelerations(time, q, v, &mut self.accelerations)?;
         motion.balance_multipliers(time, q, v)?;
         motion.stop_forces(q, v, &mut self.stops);
+        motion.contact_forces(&mut self.contacts);
         let mut at = motion.at(time, q, v);
         at.share_multipliers()?;
         let balanced = at.residual(&self.accelerations, &mut self.residual)?;
@@ -72,6 +76,7 @@ impl StateOutputs {
             accelerations: &self.accelerations,
             reactions: &self.reactions,
             stops: &self.stops,
+            contacts: &self.contacts,
             energies,
             account,
             powers,

@@ -36,7 +36,7 @@ pub use answer::{ContactForce, FrictionForce, StandingReport};
 pub use closed::Contact;
 pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
-pub use pushed::with_contacts;
+pub use pushed::{by_rule, with_contacts};
 
 use self::closed::Scene;
 use self::supports::{Bearers, Bears};
