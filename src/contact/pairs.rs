@@ -265,8 +265,15 @@ impl Pairs {
         }
     }
 
-    /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m).
-    pub(crate) fn meetings(&self, couple: usize, loose: f64, far: f64, mut put: impl FnMut(Meeting)) {
+    /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m). What goes on where something else
+    /// touched passes nothing by.
+    pub(crate) fn meetings(
+        &self,
+        couple: usize,
+        [loose, far]: [f64; 2],
+        goes_on: impl Fn(&Meeting) -> bool,
+        mut put: impl FnMut(Meeting),
+    ) {
         let Couple { pieces: [a, b], size, .. } = &self.couples[couple];
         let (a, b) = (self.standing(*a), self.standing(*b));
         // Nothing is behind another feature by more than the smaller shape is thick.
@@ -276,7 +283,7 @@ impl Pairs {
         let rim = RIM * size + loose;
         let counts = |found: &Meeting| {
             let at_rim = found.inside < rim && found.gap < soon;
-            found.inside >= -loose && found.gap < far && !(at_rim && self.passes_by(couple, found))
+            found.inside >= -loose && found.gap < far && !(at_rim && !goes_on(found) && self.passes_by(couple, found))
         };
         for features in pairs(&a, &b) {
             if let Some(found) = meeting(&a, &b, features, &near).filter(counts) {
@@ -304,16 +311,21 @@ impl Pairs {
     pub(crate) fn facing(&self, couple: usize, loose: f64, far: f64, found: &mut Vec<(Key, Meeting)>) {
         let (first, size) = (found.len(), self.couples[couple].size);
         let overlap = std::cell::OnceCell::new();
-        self.meetings(couple, loose * size, far, |meeting| {
-            let depth = || *overlap.get_or_init(|| self.depth(couple));
-            let counts = meeting.gap > -SHALLOW * size || meeting.gap >= -DEEPER * depth();
-            let double = |(_, other): &(Key, Meeting)| {
-                (other.point - meeting.point).norm() < ONE_PLACE * size && other.normal.dot(&meeting.normal) > 0.99
-            };
-            if counts && !found[first..].iter().any(double) {
-                found.push((Key { couple, features: meeting.features }, meeting));
-            }
-        });
+        self.meetings(
+            couple,
+            [loose * size, far],
+            |_| false,
+            |meeting| {
+                let depth = || *overlap.get_or_init(|| self.depth(couple));
+                let counts = meeting.gap > -SHALLOW * size || meeting.gap >= -DEEPER * depth();
+                let double = |(_, other): &(Key, Meeting)| {
+                    (other.point - meeting.point).norm() < ONE_PLACE * size && other.normal.dot(&meeting.normal) > 0.99
+                };
+                if counts && !found[first..].iter().any(double) {
+                    found.push((Key { couple, features: meeting.features }, meeting));
+                }
+            },
+        );
     }
 
     /// How far two shapes overlap (m); 0 if they do not.

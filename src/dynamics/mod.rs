@@ -123,19 +123,6 @@ pub enum Fault {
         /// Gap (m; rad times the scene's length).
         gap: f64,
     },
-    /// A body beyond the end of the curve that it is guided along.
-    #[error(
-        "`{body}` rests nowhere on its curve, which goes from {} m to {} m: the search leaves it at {} m; give the hinge \
-         `limits`, or another `position` to start from", number(.range[0]), number(.range[1]), number(*.at)
-    )]
-    BeyondCurve {
-        /// The body.
-        body: String,
-        /// (m)
-        at: f64,
-        /// Arc length at both ends (m).
-        range: [f64; 2],
-    },
     /// Something that knows trees only.
     #[error("`{method}` knows no loops, drives or gears yet")]
     Tied {

@@ -255,7 +255,13 @@ impl<'f> Ranges<'f> {
     }
 
     /// The result of the last of some steps, if these are all that it follows from.
-    pub(super) fn part(&mut self, [low, high]: [f64; 2], [first, last]: [usize; 2]) -> Stretch {
+    pub(super) fn part(&mut self, [low, high]: [f64; 2], steps: [usize; 2]) -> Stretch {
+        let variable = self.variable;
+        self.follow(|index| if index == variable { Range::new(low, high) } else { Range::UNKNOWN }, steps)
+    }
+
+    /// The result of the last of some steps, from ranges of all variables.
+    fn follow(&mut self, variable: impl Fn(usize) -> Range, [first, last]: [usize; 2]) -> Stretch {
         let (registers, mut switches, mut range) = (&mut self.registers, false, Range::UNKNOWN);
         for step in &self.formula.steps[first..=last] {
             let mut note = |(range, switched): (Range, bool)| {
@@ -264,8 +270,7 @@ impl<'f> Ranges<'f> {
             };
             range = match step.operation {
                 Operation::Constant(value) => Range::point(value),
-                Operation::Variable(index) if index == self.variable => Range::new(low, high),
-                Operation::Variable(_) => Range::UNKNOWN,
+                Operation::Variable(index) => variable(index),
                 Operation::Copy(from) => registers[from],
                 Operation::Unary(function, of) if registers[of].known => note(function.range(registers[of])),
                 Operation::Binary(function, a, b) if registers[a].known && registers[b].known => {
@@ -291,6 +296,14 @@ impl<'f> Ranges<'f> {
 }
 
 impl Formula {
+    /// The least and the largest value over ranges of all variables, or numbers beyond them; infinite where that is not known, not numbers
+    /// where there is no value.
+    pub fn range(&self, variables: &[[f64; 2]]) -> [f64; 2] {
+        let of = |index: usize| variables.get(index).map_or(Range::UNKNOWN, |ends| Range::between(*ends));
+        let found = Ranges::new(self, 0).follow(of, [0, self.steps.len() - 1]).range;
+        [found.low, found.high]
+    }
+
     /// Which rule each of its parts follows at one value of a variable, of those that follow from it alone: equal lists, equal rules.
     pub(super) fn rules(&self, variable: usize, at: f64) -> Vec<f64> {
         let (mut registers, mut rules) = (vec![None; self.registers], Vec::new());

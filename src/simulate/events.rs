@@ -1,7 +1,7 @@
 //! Events: numbers that change sign as a scene moves, found on the dense output of a step.
 //!
 //! Every function is looked at several times in a step, and between two looks at its extremum if its rate says that there is
-//! one on the far side, so that a coordinate which goes there and back within one look is seen, too. Between two times of
+//! one on the far side, so that a coordinate which goes there and back within one look is seen, too; expressions may do more, see `hidden.rs`. Between two times of
 //! different sign the event is located to 10⁻¹² of the scene's time, or to the rounding of time (`search.rs`). How exact that is in the motion itself is a matter
 //! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
@@ -11,6 +11,7 @@
 //! that at the start of the next step makes no second event.
 
 pub(super) mod dead_centre;
+mod hidden;
 mod occurrence;
 pub(super) mod search;
 pub(super) mod switching;
@@ -31,6 +32,7 @@ use crate::simulate::problem::{Motion, TIMES};
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
+use hidden::Hidden;
 use std::sync::Arc;
 use watched::Jump;
 
@@ -156,6 +158,8 @@ pub(super) struct Events {
     reserves: Vec<f64>,
     /// `None` if no event watches an output.
     outputs: Option<StateOutputs>,
+    /// `None` if no event watches an expression.
+    hidden: Option<Box<Hidden>>,
 }
 
 impl Events {
@@ -191,6 +195,7 @@ impl Events {
             pressed: false,
             reserves: Vec::new(),
             outputs,
+            hidden: Hidden::new(model),
         })
     }
 
@@ -274,15 +279,17 @@ impl Events {
     ) -> Result<Option<Hit>, RunError> {
         let (from, to) = (stepper.previous_time(), stepper.time());
         let (mut left, mut look, looks) = (from, 1, self.search.looks);
+        self.hidden.iter_mut().for_each(|hidden| hidden.begin());
         while look <= looks {
-            let mut right = if look == looks { to } else { from + (to - from) * f64::from(look) / f64::from(looks) };
+            let end = if look == looks { to } else { from + (to - from) * f64::from(look) / f64::from(looks) };
+            let mut right = self.shown_until(motion, stepper, [left, end])?;
             self.look_at(motion, stepper, right)?;
             match self.excursion(motion, stepper, [left, right])? {
                 Some(beyond) => {
                     right = beyond;
                     self.look_at(motion, stepper, right)?;
                 }
-                None => look += 1,
+                None => look += u32::from(right >= end),
             }
             if let Some(hit) = self.first(motion, stepper, [left, right])? {
                 return Ok(Some(hit));

@@ -33,7 +33,7 @@ use crate::simulate::stops::instant;
 use crate::spatial::Pose;
 use prepared::Prepared;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use steps::Ending;
 
 /// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms.
@@ -347,8 +347,10 @@ impl Run<'_, '_> {
                 self.mark_all(recorder)?;
                 self.arm(motion, time);
             }
+            let before = Instant::now();
             if let Some(transition) = transition {
                 self.transition(motion, settings, choice.method, Hit { time, transition })?;
+                self.wall += before.elapsed();
                 self.mark_all(recorder)?;
             }
             if self.stopped_by.is_some() {
@@ -359,6 +361,7 @@ impl Run<'_, '_> {
                 return Ok(resume);
             }
             if (transition.is_none() || self.is_due(next)) && time >= self.segment_end(next) {
+                let before = Instant::now();
                 self.lose_mass(motion, time, next);
                 self.jump(motion, settings, [time, next])?;
                 time = next;
@@ -371,6 +374,7 @@ impl Run<'_, '_> {
                     self.touch(motion, time, false)?;
                     self.arm(motion, time);
                 }
+                self.wall += before.elapsed();
                 self.mark_all(recorder)?;
             }
         }

@@ -1,6 +1,7 @@
 //! Events against closed forms: when a pendulum hits a wall, how deep a pad gives way, what rests and what lets go.
 
 mod account;
+mod expressions;
 mod generated;
 mod mixed;
 

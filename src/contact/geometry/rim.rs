@@ -29,7 +29,7 @@ const FLAT: f64 = 1e-6;
 const STEEP: f64 = 0.2;
 /// A rim that is tilted by less has no lowest point.
 const NONE: f64 = 1e-9;
-/// The end of a side counts as that of a line along it if it is turned against the other surface by no more (rad).
+/// The end of a side counts as that of a line along it if it is turned against the other surface, and an edge against it, by no more (rad).
 const ALONG: f64 = 1e-3;
 
 /// Pairs of features of two solids of which one, at least, is a cylinder.
@@ -140,7 +140,8 @@ fn of(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, features: [Feature; 
             let point = own.vertices[usize::from(end)];
             let (foot, u, along) = on_edge(other.ends(edge), &point);
             let normal = (foot - point).try_normalize(0.0)?;
-            let turned = (ALONG - normal.dot(&axis(own)).abs()) * own.of.rim;
+            // Of an edge across the axis the side meets what lies beside it, and nothing beyond its end.
+            let turned = (ALONG - normal.dot(&axis(own)).abs().max(u.cross(&axis(own)).norm())) * own.of.rim;
             let behind = other.below(&-normal, &foot, &other.of.edges[usize::from(edge)]);
             let inside = along.min(turned).min(behind);
             Some(Meeting::new(features, normal, [point, foot], [none, u], [own.of.rim, about], inside))

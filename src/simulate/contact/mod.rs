@@ -279,6 +279,7 @@ impl Contacts {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let mut found: Vec<(Key, Meeting)> = Vec::new();
+        let were: Vec<Meeting> = self.closed.iter().filter_map(|closed| self.pairs.meeting(&closed.key)).collect();
         for couple in 0..self.pairs.couples.len() {
             let size = self.pairs.couples[couple].size;
             let (closing, loose) = (self.closing, self.closing.max(LOOSE));
@@ -289,16 +290,18 @@ impl Contacts {
             let closed = &self.closed;
             let (rigid, overlap) = (self.is_rigid(couple), OnceCell::new());
             let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
-            self.pairs.meetings(couple, loose * size, loose * size, |meeting| {
+            let here = |one: &Meeting, other: &Meeting| {
+                (other.point - one.point).norm() < 10.0 * LOOSE * size && other.normal.dot(&one.normal) > 1.0 - 1e-6
+            };
+            // A point that slides over a joint is taken over.
+            let goes_on = |meeting: &Meeting| were.iter().any(|was| here(was, meeting));
+            self.pairs.meetings(couple, [loose * size; 2], goes_on, |meeting| {
                 let key = Key { couple, features: meeting.features };
                 let was = closed.iter().any(|closed| closed.key == key);
                 let inside = meeting.inside.min(meeting.flat);
                 let counts = was || inside >= -closing * size && meeting.gap < closing * size;
                 // Deeper than that it is the far side of something thin.
-                let double = |(_, other): &(Key, Meeting)| {
-                    (other.point - meeting.point).norm() < 10.0 * LOOSE * size
-                        && other.normal.dot(&meeting.normal) > 1.0 - 1e-6
-                };
+                let double = |(_, other): &(Key, Meeting)| here(other, &meeting);
                 let near = match rigid {
                     true => meeting.gap > -closing.max(MISSED) * size,
                     false => self.touches_springs(&meeting, depth, size),

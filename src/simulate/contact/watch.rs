@@ -128,21 +128,26 @@ impl Contacts {
         let size = self.pairs.couples[couple].size;
         let overlap = std::cell::OnceCell::new();
         let mut best = [f64::INFINITY, 0.0];
-        self.pairs.meetings(couple, GAP * size, f64::INFINITY, |meeting| {
-            let is_closed = self.closed.iter().any(|closed| {
-                closed.key.couple == couple
-                    && closed.state != ContactState::Spare
-                    && (closed.key.features == meeting.features
-                        || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
-            });
-            // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
-            let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
-            let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
-            if !is_closed && meeting.flat >= -GAP * size && meeting.gap < best[0] && counts() {
-                let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
-                best = [meeting.gap, meeting.normal.dot(&u)];
-            }
-        });
+        self.pairs.meetings(
+            couple,
+            [GAP * size, f64::INFINITY],
+            |_| false,
+            |meeting| {
+                let is_closed = self.closed.iter().any(|closed| {
+                    closed.key.couple == couple
+                        && closed.state != ContactState::Spare
+                        && (closed.key.features == meeting.features
+                            || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
+                });
+                // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
+                let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
+                let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
+                if !is_closed && meeting.flat >= -GAP * size && meeting.gap < best[0] && counts() {
+                    let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
+                    best = [meeting.gap, meeting.normal.dot(&u)];
+                }
+            },
+        );
         best
     }
 

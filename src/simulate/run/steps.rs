@@ -80,11 +80,20 @@ impl Run<'_, '_> {
     /// One step, and the state at its end or at what happens before.
     fn step(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>) -> Result<Option<Hit>, RunError> {
         let before = Instant::now();
+        let hit = self.step_and_look(motion, stepper);
+        self.wall += before.elapsed();
+        hit
+    }
+
+    fn step_and_look(
+        &mut self,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
+    ) -> Result<Option<Hit>, RunError> {
         let (model, state) = (self.model, &self.state);
         stepper
             .step(motion)
             .map_err(|error| dead_centre::beside(named(model, &error), model, stepper.time(), state))?;
-        self.wall += before.elapsed();
         let Some(events) = &mut self.events else {
             self.state.position.copy_from_slice(stepper.position());
             self.state.velocity.copy_from_slice(stepper.velocity());

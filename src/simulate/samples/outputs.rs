@@ -90,6 +90,21 @@ impl StateOutputs {
         Ok(&self.values)
     }
 
+    /// All numbers at a state and their rates; `None` if the state cannot be evaluated.
+    pub(in crate::simulate) fn seen(&mut self, motion: &mut Motion, time: f64, state: &State) -> Option<[&[f64]; 2]> {
+        let same = |(at, of): &(f64, State)| *at == time && of == state;
+        if !self.last.as_ref().is_some_and(same) {
+            if self.at(motion, time, state, [0.0; 2]).is_err() {
+                self.last = None;
+                return None;
+            }
+            let (at, of) = self.last.get_or_insert_default();
+            *at = time;
+            of.clone_from(state);
+        }
+        Some([&self.values, &self.rates])
+    }
+
     /// One number at a state and its rate; not a number for a rate that is not known, and for both if the state cannot be
     /// evaluated.
     pub(in crate::simulate) fn watched(
@@ -99,17 +114,7 @@ impl StateOutputs {
         state: &State,
         number: usize,
     ) -> [f64; 2] {
-        let same = |(at, of): &(f64, State)| *at == time && of == state;
-        if !self.last.as_ref().is_some_and(same) {
-            if self.at(motion, time, state, [0.0; 2]).is_err() {
-                self.last = None;
-                return [f64::NAN; 2];
-            }
-            let (at, of) = self.last.get_or_insert_default();
-            *at = time;
-            of.clone_from(state);
-        }
-        [self.values[number], self.rates[number]]
+        self.seen(motion, time, state).map_or([f64::NAN; 2], |all| all.map(|of| of[number]))
     }
 }
 

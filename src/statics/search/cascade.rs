@@ -281,7 +281,8 @@ impl<'c, 's> Cascade<'c, 's> {
         }
         if outcome.fell {
             let drop = number(potential - self.landscape.potential(&outcome.place.q));
-            let known = outcome.fall.as_ref().map(Fall::note);
+            let known = super::beyond_curve(self.landscape.model(), &outcome.place.q);
+            let known = known.or_else(|| outcome.fall.as_ref().map(Fall::note));
             self.notes.push(known.unwrap_or_else(|| {
                 format!(
                     "the potential falls without end: the search gave up {drop} J below the guess, there is no equilibrium \

@@ -33,6 +33,7 @@ use super::settings::{Method, Settings};
 use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
+use crate::model::problem::number;
 use free::search_free;
 use std::sync::Arc;
 
@@ -130,20 +131,33 @@ fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
         return Ok(found);
     }
     if model.stops.is_empty() {
-        return on_curves(model, search_free(search)?);
+        return Ok(on_curves(model, search_free(search)?));
     }
     let mut found = turns::search(search)?;
     weak::examine_weak(model, settings, &mut found)?;
-    on_curves(model, found)
+    Ok(on_curves(model, found))
 }
 
 /// What is found must be on the curves that bodies are guided along.
-fn on_curves(model: &Model, found: Equilibrium) -> Result<Equilibrium, Fault> {
-    let Some(end) = model.beyond_curve(&found.position) else { return Ok(found) };
+fn on_curves(model: &Model, found: Equilibrium) -> Equilibrium {
+    let Some(note) = beyond_curve(model, &found.position) else { return found };
+    let notes = [note].into_iter().chain(found.notes).collect();
+    Equilibrium { converged: false, balanced: false, stability: None, notes, ..found }
+}
+
+/// What is said of a search that has left the curve that a body is guided along.
+fn beyond_curve(model: &Model, position: &[f64]) -> Option<String> {
+    let end = model.beyond_curve(position)?;
     let ends = model.curve_ends.iter().filter(|other| other.position == end.position).map(|end| end.at);
-    let range = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)]);
-    let (body, at) = (model.bodies[end.body].name.clone(), found.position[end.position]);
-    Err(Fault::BeyondCurve { body, at, range })
+    let [from, to] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)]);
+    let body = &model.bodies[end.body].name;
+    Some(format!(
+        "`{body}` rests nowhere on its curve, which goes from {} m to {} m: the search leaves it at {} m; give the hinge `limits`, or \
+         another `position` to start from",
+        number(from),
+        number(to),
+        number(end.at)
+    ))
 }
 
 /// What is told at once of a scene that falls for ever wherever it is: the cascade would follow it without end. `None` for

@@ -307,3 +307,75 @@ fn ledgers_of_captured_steps_are_those_of_their_time() {
         }
     }
 }
+
+/// An upright cylinder that slides over a step down by less than its rim can be told from the lower table's goes on: nothing lies ahead of it.
+#[test]
+fn small_steps_down_stop_nothing() {
+    let (bench, mut random) = (Bench::new(), Random::new(83));
+    for step in [0.0, 1e-8, 3e-7, 1e-6, 5e-6, 2e-5, 1e-4] {
+        let (radius, height, speed) = (random.between(0.1, 0.3), random.between(0.03, 0.1), random.between(1.0, 2.5));
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.5 }}\n\
+                 [[body]]\nname = \"high\"\nshape = {{ box = [20, 20, 1], at = [-9.4, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"low\"\nshape = {{ box = [20, 20, 1], at = [10.6, 0, {:?}] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"load\"\ndensity = 1000\nshape = {{ cylinder = [{radius:?}, {height:?}] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {:?}, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"*\", \"load\"]\n",
+                -0.5 - step,
+                0.5 * height,
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let end = number(&told["final"]["velocities"]["load"][0]);
+        // What falls by the step gains its energy, and bounces no more.
+        assert!((end - speed).abs() < 1e-6 + 2.0 * G * step / speed, "{step:e}: {end} not {speed}");
+    }
+}
+
+/// Feet without a radius slide over joints of level tables, as far as over one: `x = v t - μ g t²/2`.
+#[test]
+fn points_are_carried_on_over_joints() {
+    let (bench, mut random) = (Bench::new(), Random::new(84));
+    for case in 0..12 {
+        let friction = if case % 3 == 0 { 0.0 } else { random.between(0.05, 0.4) };
+        let (speed, heading) = (random.between(1.0, 3.0), random.between(-1.0, 1.0));
+        let turn = random.between(0.0, 2.0);
+        let foot = |k: u8| {
+            let angle = turn + std::f64::consts::TAU / 3.0 * f64::from(k);
+            format!("{{ sphere = 0.0, at = [{:?}, {:?}, -0.1] }}", 0.2 * angle.cos(), 0.2 * angle.sin())
+        };
+        let tables: String = (0..6)
+            .map(|k| {
+                let at = 0.31 * f64::from(k);
+                format!("[[body]]\nname = \"t{k}\"\nshape = {{ box = [0.31, 20, 1], at = [{at:?}, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n")
+            })
+            .collect();
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.4, tolerance = 1e-8 }}\n{tables}\
+                 [[body]]\nname = \"stool\"\nmass = 10\ninertia = [0.3, 0.3, 0.3]\nshape = [{}, {}, {}]\n\
+                 hinge = {{ type = \"free\", position = [0.1, 0, 0.1, 1, 0, 0, 0], velocity = [{:?}, {:?}, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"t*\", \"stool\"]\nfriction = {friction:?}\n",
+                foot(0),
+                foot(1),
+                foot(2),
+                speed * heading.cos(),
+                speed * heading.sin(),
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let time = if friction > 0.0 { (speed / (friction * G)).min(0.4) } else { 0.4 };
+        let way = speed * time - 0.5 * friction * G * time * time;
+        let end = &told["final"]["positions"]["stool"];
+        let off = [
+            number(&end[0]) - 0.1 - way * heading.cos(),
+            number(&end[1]) - way * heading.sin(),
+            number(&end[2]) - 0.1,
+        ];
+        assert!(off.iter().all(|x| x.abs() < 1e-9), "case {case}: off by {off:?}");
+        assert_eq!((&told["impacts"], &told["capture_steps"]), (&0.into(), &0.into()), "case {case}");
+    }
+}
