@@ -6,6 +6,7 @@ use crate::model::contact::fits;
 use crate::record::drawing::{Drawing, Extras, LoadTime};
 use crate::record::picture::{Eye, Frame, svg};
 use crate::record::{Beyond, ContactPush, Footage, Moment, OwnedSample};
+use crate::spatial::Pose;
 use crate::suggest::closest;
 use anyhow::{bail, ensure};
 use clap::Args;
@@ -62,6 +63,8 @@ pub(super) struct Looks {
     meshes: bool,
 }
 
+/// Bodies that have gone this many times the length of what is there at the start leave no room for the others.
+const LARGEST_MOTION: f64 = 4.0;
 /// Edges that a picture may have (pixels).
 const EDGES: std::ops::RangeInclusive<u32> = 64..=8192;
 
@@ -84,8 +87,14 @@ impl Looks {
         Ok(footage)
     }
 
-    /// What is drawn, but for loads, with marks that suit the first sample; what cannot be drawn is said.
-    pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> anyhow::Result<Drawing> {
+    /// What is drawn, but for loads, with marks that suit the first sample, in a frame that suits the one that is shown; what cannot be drawn, and
+    /// what is left outside, is said.
+    pub(super) fn drawing(
+        &self,
+        footage: &Footage,
+        [first, shown]: [&OwnedSample; 2],
+        quiet: bool,
+    ) -> anyhow::Result<Drawing> {
         let mut extras = Extras { hinges: self.hinges, ..Extras::default() };
         if !self.around.is_empty() {
             let names: Vec<&str> = footage.recording.scene.bodies.iter().map(|body| body.name.as_str()).collect();
@@ -97,7 +106,17 @@ impl Looks {
             let framed = |name: &&str| self.around.iter().any(|pattern| fits(pattern, name));
             extras.framed = names.iter().map(framed).collect();
         }
-        let drawing = footage.drawing(&first.bodies, extras);
+        let mut drawing = footage.drawing(&first.bodies, extras.clone());
+        if let Some(stay) = stayed(footage, &drawing, [first, shown]).filter(|_| self.around.is_empty()) {
+            let gone = stay.iter().filter(|stays| !**stays).count();
+            drawing = footage.drawing(&first.bodies, Extras { framed: stay, ..extras });
+            if !quiet {
+                let what = if gone == 1 { "1 body is".to_owned() } else { format!("{gone} bodies are") };
+                output::note(&format!(
+                    "{what} far from where the others are, outside the picture; `--around '*'` frames all"
+                ));
+            }
+        }
         if !quiet {
             drawing.notes.iter().for_each(|note| output::warning(note));
         }
@@ -116,6 +135,16 @@ impl Looks {
     pub(super) fn size(&self) -> [u32; 2] {
         self.size
     }
+}
+
+/// Which bodies are near where they began, if some are so far that nothing could be seen of these, which are the most of what can move.
+fn stayed(footage: &Footage, drawing: &Drawing, [first, shown]: [&OwnedSample; 2]) -> Option<Vec<bool>> {
+    let reach = LARGEST_MOTION * drawing.length(&[first.bodies.as_slice()]);
+    let moved = |(a, b): (&Pose, &Pose)| (a.translation.vector - b.translation.vector).norm();
+    let stay: Vec<bool> = first.bodies.iter().zip(&shown.bodies).map(|pair| moved(pair) <= reach).collect();
+    let movable = || footage.recording.scene.bodies.iter().zip(&stay).filter(|(body, _)| body.hinge != "fixed");
+    let (near, all) = (movable().filter(|(_, stays)| **stays).count(), movable().count());
+    (near < all && 2 * near >= all).then_some(stay)
 }
 
 /// The first sample, or the one nearest to a time; that a time is beyond the recording is said.
@@ -145,7 +174,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let shown = sample(&footage, arguments.at, arguments.quiet)?;
     let first = sample(&footage, None, arguments.quiet)?;
-    let mut drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
+    let mut drawing = arguments.looks.drawing(&footage, [&first, &shown], arguments.quiet)?;
     if arguments.looks.loads() {
         drawing = drawing.with_loads(LoadTime::At(shown.time));
     }

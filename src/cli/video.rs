@@ -58,7 +58,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let first = picture::sample(&footage, None, arguments.quiet)?;
-    let drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
+    let drawing = arguments.looks.drawing(&footage, [&first, &first], arguments.quiet)?;
     let clips = footage.clips()?;
     let interrupt = Interrupt::install()?;
     let poses = clips.iter().flat_map(|clip| &clip.poses).map(Vec::as_slice);

@@ -370,11 +370,8 @@ fn points_are_carried_on_over_joints() {
         let time = if friction > 0.0 { (speed / (friction * G)).min(0.4) } else { 0.4 };
         let way = speed * time - 0.5 * friction * G * time * time;
         let end = &told["final"]["positions"]["stool"];
-        let off = [
-            number(&end[0]) - 0.1 - way * heading.cos(),
-            number(&end[1]) - way * heading.sin(),
-            number(&end[2]) - 0.1,
-        ];
+        let off =
+            [number(&end[0]) - 0.1 - way * heading.cos(), number(&end[1]) - way * heading.sin(), number(&end[2]) - 0.1];
         assert!(off.iter().all(|x| x.abs() < 1e-9), "case {case}: off by {off:?}");
         assert_eq!((&told["impacts"], &told["capture_steps"]), (&0.into(), &0.into()), "case {case}");
     }

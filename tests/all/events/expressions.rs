@@ -51,7 +51,11 @@ fn pulses_are_not_jumped_over() {
         };
         let text = bead(1.0, &expression, "value = 0.5\naction = \"stop\"");
         let summary = go(&read(&text), 10.0, 1e-8, method);
-        assert!((summary.end_time - begins).abs() < 1e-8, "{method:?}, {expression}: {} not {begins}", summary.end_time);
+        assert!(
+            (summary.end_time - begins).abs() < 1e-8,
+            "{method:?}, {expression}: {} not {begins}",
+            summary.end_time
+        );
     }
 }
 
