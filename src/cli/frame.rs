@@ -1,21 +1,31 @@
 //! What plots of curves over two axes have in common: an SVG at fractions of a pixel, axes with a quiet grid, names beside the curves.
 
+mod decades;
+
 use super::palette::Theme;
+pub(super) use decades::Decades;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
-use plotters::coord::{Shift, cartesian::Cartesian2d, combinators::LogCoord};
+use plotters::coord::{Shift, cartesian::Cartesian2d};
 use plotters::element::{DashedPathElement, DynElement, IntoDynElement};
 use plotters::prelude::*;
 use plotters::style::TextStyle;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// The library draws on whole points: this many of them are a pixel.
 const FINE: u32 = 10;
 /// Width and height of most plots (pixels).
 pub(super) const SIZE: (u32, u32) = (1120, 640);
-/// Room for the names right of the curves (pixels).
-pub(super) const LEGEND: u32 = 280;
-/// Height of a line of the legend (pixels).
+/// Room for a title above the curves (pixels).
+pub(super) const CAPTION: u32 = 44;
+/// Room for the names right of the curves, at least and at most (pixels).
+const LEGEND: [u32; 2] = [80, 420];
+/// Height of a line of the legend, and of its letters (pixels).
 pub(super) const ROW: u32 = 20;
+const LETTERS: u32 = 14;
+/// Where a name begins in the legend, after its sample, and what stays free behind it (pixels).
+const NAME: i32 = 36;
+const BEHIND: u32 = 12;
 
 /// The whole drawing.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -67,9 +77,31 @@ pub(super) fn svg(
     Ok(text.replacen(&edges(px(size.0), px(size.1)), &edges(size.0, size.1), 1))
 }
 
-/// An area for curves, and the names beside them.
-pub(super) fn with_legend<'a>(area: &Area<'a>, theme: Theme) -> (Area<'a>, Legend<'a>) {
-    let (curves, names) = area.split_horizontally(area.dim_in_pixel().0 - px(LEGEND));
+/// Writes the title of a drawing; what is below it.
+///
+/// # Errors
+/// If the drawing library fails.
+pub(super) fn titled<'a>(root: &Area<'a>, theme: Theme, title: &str) -> anyhow::Result<Area<'a>> {
+    let (head, below) = root.split_vertically(px(CAPTION));
+    let (width, height) = head.dim_in_pixel();
+    let style = letters(theme, 22).pos(Pos::new(HPos::Center, VPos::Center));
+    head.draw(&Text::new(title.to_owned(), (width as i32 / 2, height as i32 / 2), style))?;
+    Ok(below)
+}
+
+/// Room for names right of the curves (pixels).
+pub(super) fn legend_width<'n>(names: impl IntoIterator<Item = &'n str>) -> u32 {
+    NAME as u32 + names.into_iter().map(text_width).fold(0, u32::max).clamp(LEGEND[0], LEGEND[1]) + BEHIND
+}
+
+/// How wide a name of a legend is at most (pixels): the letters of most fonts take less than 0.6 of their height.
+pub(super) fn text_width(text: &str) -> u32 {
+    (text.chars().count() as u32 * LETTERS * 3).div_ceil(5)
+}
+
+/// An area for curves, and one of this width (pixels) for the names beside them.
+pub(super) fn with_legend<'a>(area: &Area<'a>, theme: Theme, width: u32) -> (Area<'a>, Legend<'a>) {
+    let (curves, names) = area.split_horizontally(area.dim_in_pixel().0 - px(width));
     (curves, Legend { area: names, theme, row: 0 })
 }
 
@@ -89,7 +121,11 @@ impl<'a> Legend<'a> {
         let y = at(24) + at(ROW as i32) * self.row;
         self.row += 1;
         self.area.draw(&sample((0, y)))?;
-        self.area.draw(&Text::new(name.to_owned(), (at(36), y - at(7)), letters(self.theme, 14)))?;
+        self.area.draw(&Text::new(
+            name.to_owned(),
+            (at(NAME), y - at(LETTERS as i32 / 2)),
+            letters(self.theme, LETTERS),
+        ))?;
         Ok(())
     }
 
@@ -112,13 +148,10 @@ impl<'a> Legend<'a> {
 pub(super) fn linear<'a>(
     root: &Area<'a>,
     theme: Theme,
-    title: &str,
     (across, up): ((f64, f64), (f64, f64)),
     axes: [Axis<'_>; 2],
 ) -> anyhow::Result<Chart<'a, RangedCoordf64>> {
-    let mut chart = builder(root, theme, title).build_cartesian_2d(across.0..across.1, up.0..up.1)?;
-    grid(&mut chart, theme, axes)?;
-    Ok(chart)
+    over(root, theme, (across.0..across.1).into(), (up.0..up.1).into(), axes)
 }
 
 /// Two logarithmic axes over whole decades.
@@ -128,24 +161,34 @@ pub(super) fn linear<'a>(
 pub(super) fn logarithmic<'a>(
     root: &Area<'a>,
     theme: Theme,
-    title: &str,
     points: impl Iterator<Item = (f64, f64)> + Clone,
     names: [&str; 2],
-) -> anyhow::Result<Chart<'a, LogCoord<f64>>> {
-    let (across, up) = (decades(points.clone().map(|(x, _)| x)), decades(points.map(|(_, y)| y)));
-    let mut chart =
-        builder(root, theme, title).build_cartesian_2d((across.0..across.1).log_scale(), (up.0..up.1).log_scale())?;
-    grid(&mut chart, theme, names.map(|name| (name, &(|x: &f64| format!("{x:.0e}")) as _)))?;
-    Ok(chart)
+) -> anyhow::Result<Chart<'a, Decades>> {
+    let (across, up) = (Decades::around(points.clone().map(|(x, _)| x)), Decades::around(points.map(|(_, y)| y)));
+    over(root, theme, across, up, names.map(|name| (name, &Decades::tick as _)))
 }
 
-fn builder<'a, 'b>(root: &'b Area<'a>, theme: Theme, title: &str) -> ChartBuilder<'b, 'static, SVGBackend<'a>> {
+/// Axes of any kind. One without a name has no numbers, and needs no room for them.
+///
+/// # Errors
+/// If the drawing library fails.
+pub(super) fn over<'a, X, Y>(
+    root: &Area<'a>,
+    theme: Theme,
+    x: X,
+    y: Y,
+    axes: [Axis<'_>; 2],
+) -> anyhow::Result<Chart<'a, X, Y>>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
     let mut builder = ChartBuilder::on(root);
-    builder.margin(px(12)).x_label_area_size(px(46)).y_label_area_size(px(86));
-    if !title.is_empty() {
-        builder.caption(title, letters(theme, 22));
-    }
-    builder
+    let beside = if axes[1].0.is_empty() { 0 } else { px(86) };
+    builder.margin(px(12)).x_label_area_size(px(46)).y_label_area_size(beside);
+    let mut chart = builder.build_cartesian_2d(x, y)?;
+    grid(&mut chart, theme, axes)?;
+    Ok(chart)
 }
 
 fn grid<X, Y>(chart: &mut Chart<'_, X, Y>, theme: Theme, [across, up]: [Axis<'_>; 2]) -> anyhow::Result<()>
@@ -170,12 +213,13 @@ where
     Ok(())
 }
 
-/// The range of whole decades around positive numbers.
-fn decades(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    if !(low > 0.0 && high.is_finite()) {
-        return (1.0, 10.0);
+#[cfg(test)]
+mod tests {
+    use super::{LEGEND, legend_width};
+
+    #[test]
+    fn legends_are_as_wide_as_their_names() {
+        assert!(legend_width(["a", "kinetic (J)"]) < legend_width(["a", "the energy of all springs (J)"]));
+        assert!(legend_width([]) > LEGEND[0] && legend_width([&*"x".repeat(200)]) < LEGEND[1] + 60);
     }
-    let (low, high) = (low.log10().floor(), high.log10().ceil());
-    (10.0_f64.powf(low), 10.0_f64.powf(high.max(low + 1.0)))
 }

@@ -92,13 +92,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if !model.controllers.is_empty() && !common.quiet {
         output::note("controllers are left out of the equations: they are those from the inputs");
     }
+    // What cannot be drawn is refused before anything is written.
+    let title = if model.title.is_empty() { &scenario.name } else { &model.title };
+    let picture = |path| pixels::by_name(path)?(bode::draw(&found, title, arguments.theme)?);
+    let picture = arguments.bode.as_deref().map(picture).transpose()?;
     let answer = answer(&model, &place, &found, arguments.discretize);
     if let Some((path, format)) = arguments.out.as_deref().zip(format) {
         output::save(path, &format.bytes(&found, arguments.discretize, &answer)?)?;
     }
-    if let Some(path) = &arguments.bode {
-        let title = if model.title.is_empty() { &scenario.name } else { &model.title };
-        output::save(path, &pixels::by_name(path)?(bode::draw(&found, title, arguments.theme)?)?)?;
+    if let Some((path, picture)) = arguments.bode.as_deref().zip(picture) {
+        output::save(path, &picture)?;
     }
     if common.json {
         output::print(&answer.to_string())?;

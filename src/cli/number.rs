@@ -1,5 +1,6 @@
 //! Numbers as reports show them; JSON and tables have all digits.
 
+pub(super) use crate::model::problem::counted as count;
 use crate::model::problem::significant;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -60,11 +61,6 @@ pub(super) fn aligned(numbers: impl IntoIterator<Item = f64>) -> Vec<String> {
 /// A number of a table that programs read: the shortest digits that give the number back, with an exponent where that is shorter.
 pub(super) fn exact(x: f64) -> String {
     format!("{x:?}")
-}
-
-/// `3 bodies`, `1 body`.
-pub(super) fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// `1st`, `2nd`, `13th`.

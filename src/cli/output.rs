@@ -20,8 +20,15 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
 
 /// Whether an error is that of a reader that went away: no error of ours.
 pub(super) fn is_closed(error: &anyhow::Error) -> bool {
-    let io = error.chain().filter_map(|cause| cause.downcast_ref::<std::io::Error>());
-    io.into_iter().any(|error| error.kind() == ErrorKind::BrokenPipe)
+    let io = |cause: &(dyn std::error::Error + 'static)| {
+        let kind = cause.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
+        // An error of the tables does not name its source.
+        kind.or_else(|| match cause.downcast_ref::<csv::Error>()?.kind() {
+            csv::ErrorKind::Io(error) => Some(error.kind()),
+            _ => None,
+        })
+    };
+    error.chain().filter_map(io).any(|kind| kind == ErrorKind::BrokenPipe)
 }
 
 /// A line on standard output before work whose result goes elsewhere: a disk that is full there is said, and stops

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, couplings, outputs, tf)
+    /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, an output with all its numbers, or a whole channel (hinges, energy, reactions, couplings, outputs, tf)
     #[arg(value_name = "FILE... CHANNEL", required = true)]
     what: Vec<String>,
     /// Where the picture goes: its name ends in .svg, .png or .pdf; default: the first recording's name with .svg in this folder
@@ -114,7 +114,7 @@ fn along(recording: &Recording, tables: &[Table], name: Option<&str>) -> anyhow:
         .with_context(|| format!("nothing can be plotted of `{}`", recording.path.display()))?;
     match &found[..] {
         [one] => Ok(Some(one.clone())),
-        _ => bail!("`--x {name}` are {} columns: name one of them", found.len()),
+        _ => bail!("`--x {name}` is no single column: name one of {}", samples::listed(&found)),
     }
 }
 

@@ -56,13 +56,19 @@ pub(super) struct Place {
     pub(super) column: Column,
 }
 
-/// The columns that a name stands for: a column's own name, or all columns of the channel of that name.
+/// What a column is one number of: `tip` for `tip[2]`.
+fn whole(column: &str) -> Option<&str> {
+    let (name, index) = column.strip_suffix(']')?.rsplit_once('[')?;
+    index.parse::<usize>().is_ok().then_some(name)
+}
+
+/// The columns that a name stands for: a column's own name, all numbers of an output, or all columns of the channel of that name.
 pub(super) fn columns(tables: &[Table], name: &str) -> anyhow::Result<Vec<Place>> {
     let bare = name.strip_prefix('/').unwrap_or(name);
     let mut found = Vec::new();
     for (table, content) in tables.iter().enumerate() {
         for (index, column) in content.columns.iter().enumerate() {
-            if content.name == bare || column.name == name {
+            if content.name == bare || column.name == name || whole(&column.name) == Some(name) {
                 found.push(Place { table, index, column: column.clone() });
             }
         }
@@ -85,9 +91,16 @@ pub(super) fn none_named(tables: &[Table]) -> anyhow::Error {
 /// Names of a list that are printed.
 const MOST_NAMES: usize = 40;
 
+/// Names of columns as a list.
+pub(super) fn listed(places: &[Place]) -> String {
+    let names = places.iter().take(MOST_NAMES).map(|place| format!("`{}`", place.column.name));
+    let more = if places.len() > MOST_NAMES { ", …" } else { "" };
+    format!("{}{more}", names.collect::<Vec<_>>().join(", "))
+}
+
 fn unknown(tables: &[Table], name: &str) -> anyhow::Error {
     let known = || tables.iter().flat_map(|table| &table.columns).map(|column| column.name.as_str());
-    let names = || tables.iter().map(|table| table.name).chain(known());
+    let names = || tables.iter().map(|table| table.name).chain(known().filter_map(whole)).chain(known());
     // What else the body that is named has.
     let of_body = name.rsplit_once('.').map(|(body, last)| (format!("{body}."), last));
     let own = of_body.as_ref().map_or(Vec::new(), |(body, _)| {
@@ -153,5 +166,16 @@ impl<'a> Rows<'a> {
             }
         }
         self.places.iter().map(|place| self.rows[place.table][place.index])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole;
+
+    #[test]
+    fn numbers_of_lists_know_their_list() {
+        assert_eq!(whole("tip[2]"), Some("tip"));
+        assert_eq!((whole("link[3].angle"), whole("tip"), whole("tip[a]")), (None, None, None));
     }
 }

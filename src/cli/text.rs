@@ -52,7 +52,10 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
 /// What is said of loops, drives and gears.
 pub(super) fn couplings(assembly: &Assembly) -> Vec<String> {
     let redundant = |(name, redundant, rows): &(String, usize, usize)| {
-        format!("{name}: {redundant} of {rows} rows redundant, its reactions and those around it are not unique")
+        format!(
+            "{name}: {redundant} of {} redundant, its reactions and those around it are not unique",
+            count(*rows, "row", "rows")
+        )
     };
     assembly.redundant.iter().map(redundant).collect()
 }
@@ -161,7 +164,11 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     pose(&mut out, model, &found.position, title);
     bearings(&mut out, model, found);
     for (name, redundant, rows) in found.redundant.iter().filter(|_| found.balanced) {
-        let _ = writeln!(out, "  not unique   reactions in and around {name}: {redundant} of {rows} rows redundant");
+        let _ = writeln!(
+            out,
+            "  not unique   reactions in and around {name}: {redundant} of {} redundant",
+            count(*rows, "row", "rows")
+        );
     }
     for note in &found.notes {
         let _ = writeln!(out, "  note         {note}");

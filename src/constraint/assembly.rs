@@ -7,7 +7,7 @@ use super::rows::{Owner, second_frame};
 use super::{Constraints, Element, RowSelection};
 use crate::model::Model;
 use crate::model::couplings::Closure;
-use crate::model::problem::{Element as Place, Problem, number};
+use crate::model::problem::{Element as Place, Problem, counted, number};
 use crate::motion::Motion;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
@@ -350,17 +350,19 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut V
         let mut bodies: Vec<&str> = links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
         bodies.dedup();
         let (names, bodies) = (listed(&names, ""), listed(&bodies, "`"));
+        let conditions = counted(taken, "condition", "conditions");
+        let coordinates = counted(freedoms, "coordinate", "coordinates");
         if members.iter().any(|e| is(*e, |owner| matches!(owner, Owner::Gear(_)))) {
             problems.push(Problem {
                 element: place_of(elements[members[0]].owner),
                 field: "type".to_owned(),
                 message: format!(
-                    "{names} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {bodies} nothing to move"
+                    "{names} lock the mechanism: {conditions} on {coordinates} leave {bodies} nothing to move"
                 ),
                 help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
             });
         } else {
-            notes.push(format!("{bodies} cannot move: {taken} conditions of {names} on {freedoms} coordinates"));
+            notes.push(format!("{bodies} cannot move: {conditions} of {names} on {coordinates}"));
         }
     }
     problems

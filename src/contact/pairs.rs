@@ -3,6 +3,7 @@
 use super::geometry::feature::{Boundary, Feature, Meeting, Near, PlacedBoundary};
 use super::geometry::meet::{meeting, pairs};
 use super::geometry::{Core, Placed, Solid, touch};
+use crate::model::problem::{number, significant};
 use crate::model::shape::{Geometry, Hull, Shape};
 use crate::model::{ContactRule, Model};
 use crate::motion::{LinkMotion, Motion};
@@ -28,8 +29,8 @@ const ONE_PLACE: f64 = 1e-4;
 pub enum Untouchable {
     /// They overlap.
     #[error(
-        "`{}` and `{}` overlap by {depth:.3e} m at [{:.4}, {:.4}, {:.4}], more than the {allowed:.1e} m that count as closed: move \
-         one of them, raise `[statics] gap`, or ask statics to move them apart with `[statics] contact = \"settle\"`", .between[0], .between[1], .at[0], .at[1], .at[2]
+        "`{}` and `{}` overlap by {} m at [{:.4}, {:.4}, {:.4}], more than the {} m that count as closed: move \
+         one of them, raise `[statics] gap`, or ask statics to move them apart with `[statics] contact = \"settle\"`", .between[0], .between[1], number(*.depth), .at[0], .at[1], .at[2], significant(*.allowed, 2)
     )]
     Overlap {
         /// Names of the bodies.

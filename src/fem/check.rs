@@ -1,6 +1,7 @@
 //! What a model of finite elements must be before anything is made of it.
 
 use super::{FiniteElements, Flaw};
+use crate::fem::counted;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
 use std::collections::HashSet;
 
@@ -54,7 +55,10 @@ impl FiniteElements {
         }
         for (name, matrix) in [("mass", &self.mass), ("stiffness", &self.stiffness)] {
             if matrix.len() != n {
-                return Err(Flaw::new(format!("{name} has {} rows, and there are {n} `dofs`", matrix.len())));
+                return Err(Flaw::new(format!(
+                    "{name} has {}, and there are {n} `dofs`",
+                    counted(matrix.len(), "row", "rows")
+                )));
             }
         }
         if self.interfaces.is_empty() {

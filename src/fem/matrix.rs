@@ -1,6 +1,7 @@
 //! Sparse symmetric matrices from entries in any order.
 
 use super::Flaw;
+use crate::fem::counted;
 use crate::sparse::{Pattern, times};
 use std::collections::BTreeMap;
 
@@ -30,7 +31,7 @@ impl Symmetric {
         let mut triangles = [BTreeMap::new(), BTreeMap::new()];
         for (row, column, value) in entries {
             if row.max(column) >= n {
-                let message = format!("{name}: entry ({row}, {column}) of a matrix of {n} rows");
+                let message = format!("{name}: entry ({row}, {column}) of a matrix of {}", counted(n, "row", "rows"));
                 return Err(Flaw::new(message).help("rows and columns count from 0"));
             }
             if !value.is_finite() {

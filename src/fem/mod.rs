@@ -142,3 +142,8 @@ impl FiniteElements {
         format!("node {node} {}", ["x", "y", "z", "about x", "about y", "about z"][direction])
     }
 }
+
+/// `3 rows`, `1 row`.
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}

@@ -14,6 +14,7 @@
 
 use super::{Declared, FiniteElements, Flaw, Freedom, Interface, Symmetric, UnitLoad};
 use crate::budget::{FEM_BYTES, FEM_ENTRIES, FEM_FREEDOMS};
+use crate::fem::counted;
 use crate::foreign;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -65,7 +66,9 @@ pub fn read(bytes: &[u8]) -> Result<FiniteElements, Flaw> {
         .collect::<Result<_, Flaw>>()?;
     let n = freedoms.len();
     if n == 0 || n > FEM_FREEDOMS {
-        return Err(Flaw::new(format!("`dofs` has {n} rows")).help(format!("allowed: 1 … {FEM_FREEDOMS}")));
+        return Err(
+            Flaw::new(format!("`dofs` has {}", counted(n, "row", "rows"))).help(format!("allowed: 1 … {FEM_FREEDOMS}"))
+        );
     }
     let nodes: Vec<Vector3<f64>> = all.rows("nodes", 3)?.map(|row| Vector3::new(row[0], row[1], row[2])).collect();
     let mut model = FiniteElements {
@@ -107,7 +110,7 @@ impl Arrays {
         let array = self.get(name)?;
         if array.shape.len() != 2 || array.shape[1] != columns || !array.texts.is_empty() {
             let message = format!("`{name}` has the shape {:?}", array.shape);
-            return Err(Flaw::new(message).help(format!("it needs rows of {columns} numbers")));
+            return Err(Flaw::new(message).help(format!("it needs rows of {}", counted(columns, "number", "numbers"))));
         }
         Ok(array.numbers.chunks_exact(columns))
     }
@@ -116,7 +119,9 @@ impl Arrays {
         let array = self.get(name)?;
         let is_list = array.shape.len() <= 1 && array.texts.is_empty();
         if !is_list || count.is_some_and(|count| count != array.numbers.len()) {
-            let wanted = count.map_or("a list of numbers".to_owned(), |count| format!("a list of {count} numbers"));
+            let wanted = count.map_or("a list of numbers".to_owned(), |count| {
+                format!("a list of {}", counted(count, "number", "numbers"))
+            });
             return Err(
                 Flaw::new(format!("`{name}` has the shape {:?}", array.shape)).help(format!("it needs {wanted}"))
             );
@@ -174,7 +179,9 @@ impl Arrays {
         if let Some(dense) = self.0.get(name) {
             if dense.shape != [n, n] {
                 let message = format!("`{name}` has the shape {:?}", dense.shape);
-                return Err(Flaw::new(message).help(format!("`dofs` has {n} rows: it needs {n}×{n}")));
+                return Err(
+                    Flaw::new(message).help(format!("`dofs` has {}: it needs {n}×{n}", counted(n, "row", "rows")))
+                );
             }
             let entries = dense.numbers.iter().enumerate().filter(|(_, x)| **x != 0.0);
             return Symmetric::of(name, n, entries.map(|(at, x)| (at / n, at % n, *x)), label);

@@ -46,7 +46,12 @@ impl Timeline {
             return Some("has no times".to_owned());
         }
         if self.times.len() != values {
-            return Some(format!("has {} times and {values} values", self.times.len()));
+            return Some(format!(
+                "has {} time{} and {values} value{}",
+                self.times.len(),
+                plural(self.times.len()),
+                plural(values)
+            ));
         }
         if let Some(bad) = self.times.iter().find(|time| !time.is_finite()) {
             return Some(format!("has the time {bad}"));
@@ -56,4 +61,8 @@ impl Timeline {
         back.map(|pair| format!("goes back from {} s to {} s", pair[0], pair[1]))
             .or_else(|| thrice.map(|three| format!("has the time {} s more than twice", three[0])))
     }
+}
+/// The end of the word for so many things.
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
 }

@@ -82,7 +82,8 @@ impl Unary {
         if x.is_nan() { x } else { finite(self.of_number(x)) }
     }
 
-    fn of_number(self, x: f64) -> f64 {
+    /// Its value where infinite ones count.
+    pub(super) fn of_number(self, x: f64) -> f64 {
         match self {
             Self::Minus => -x,
             Self::Not => flag(x == 0.0),
@@ -165,8 +166,16 @@ impl Binary {
     pub(super) fn value(self, a: f64, b: f64) -> f64 {
         match self.takes_second(a, b) {
             Some(second) => pick(second, a, b),
+            None => finite(self.extended(a, b)),
+        }
+    }
+
+    /// Its value where infinite ones count.
+    pub(super) fn extended(self, a: f64, b: f64) -> f64 {
+        match self.takes_second(a, b) {
+            Some(second) => pick(second, a, b),
             None if a.is_nan() || b.is_nan() => f64::NAN,
-            None => finite(self.of_numbers(a, b)),
+            None => self.of_numbers(a, b),
         }
     }
 

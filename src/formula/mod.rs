@@ -50,7 +50,7 @@ pub use number::Jet;
 pub use vocabulary::vocabulary;
 
 use function::{Binary, Unary};
-use number::{Gradient, Number};
+use number::{Extended, Gradient, Number};
 use series::Series;
 use std::ops::Range;
 
@@ -121,6 +121,15 @@ impl Formula {
     /// If a variable that it uses is not given.
     pub fn value(&self, variables: &[f64]) -> f64 {
         self.run(|index| variables[index])
+    }
+
+    /// Its value; where it has none because something in it is infinite, that: a message can say so.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn value_or_infinity(&self, variables: &[f64]) -> f64 {
+        let value = self.value(variables);
+        if value.is_nan() { self.run(|index| Extended(variables[index])).0 } else { value }
     }
 
     /// Its truncated Taylor series along a parameter, given those of the variables.

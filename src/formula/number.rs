@@ -28,6 +28,28 @@ impl Number for f64 {
     }
 }
 
+/// A number that may be infinite.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extended(pub(super) f64);
+
+impl Number for Extended {
+    fn constant(value: f64) -> Self {
+        Self(value)
+    }
+
+    fn value(self) -> f64 {
+        self.0
+    }
+
+    fn unary(self, function: Unary) -> Self {
+        Self(if self.0.is_nan() { self.0 } else { function.of_number(self.0) })
+    }
+
+    fn binary(function: Binary, a: Self, b: Self) -> Self {
+        Self(function.extended(a.0, b.0))
+    }
+}
+
 /// A truncated Taylor series: value, first and second derivative along a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jet {

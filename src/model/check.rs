@@ -4,7 +4,7 @@ use super::burn;
 use super::description::{
     AlongTurn, BodyDescription, Description, ForceDescription, GROUND, HingeKind, MassProperties, Point,
 };
-use super::problem::{Element, Problem, number};
+use super::problem::{Element, Problem, counted, number};
 use crate::budget::LARGEST;
 use crate::element::guide::Guide;
 use crate::force::{Describe, Report};
@@ -25,7 +25,12 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
         found.add(Element::Scene, "gravity", format!("gravity is {}", list(&description.gravity)), "give finite m/s²");
     }
     for (index, body) in description.bodies.iter().enumerate() {
-        check_body(&mut found, index, body, description.unphysical.contains(&body.name));
+        check_body(&mut found, index, body);
+        // What burns is checked row by row of its table.
+        if !description.burns.iter().any(|burn| burn.body == body.name) {
+            let unphysical = description.unphysical.contains(&body.name);
+            check_mass(&mut found, Element::Body(index), &body.name, &body.mass, unphysical);
+        }
     }
     for (index, force) in description.forces.iter().enumerate() {
         check_force(&mut found, index, force);
@@ -52,7 +57,7 @@ impl Findings {
     }
 }
 
-fn check_body(found: &mut Findings, index: usize, body: &BodyDescription, unphysical: bool) {
+fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
     let element = Element::Body(index);
     let name = &body.name;
     if name.is_empty() {
@@ -61,7 +66,6 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription, unphys
         let help = "that is the inertial frame; a model that is read can be given a `prefix`";
         found.add(element, "name", format!("a body cannot be called `{GROUND}`"), help);
     }
-    check_mass(found, element, name, &body.mass, unphysical);
     for (marker, at) in &body.markers {
         if !finite(at) {
             let message = format!("marker `{marker}` of `{name}` is {}", list(at));
@@ -165,9 +169,10 @@ fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
         let path = format!("hinge.{field}");
         if !values.is_empty() && values.len() != count {
             let message = format!(
-                "`{field}` of the {} hinge of `{name}` has {} numbers, {count} are needed",
+                "`{field}` of the {} hinge of `{name}` has {}, {}",
                 hinge.kind.name(),
-                values.len()
+                counted(values.len(), "number", "numbers"),
+                counted(count, "is needed", "are needed")
             );
             found.add(element, &path, message, "");
         } else if let Some(bad) = values.iter().find(|x| !within(**x) || **x < least) {

@@ -2,7 +2,7 @@
 
 use super::Body;
 use super::description::{BodyDescription, Description};
-use super::problem::{Element, Problem};
+use super::problem::{Element, Problem, counted};
 use crate::suggest;
 
 /// Dry friction by Coulomb's law: what holds at rest, and what opposes motion.
@@ -94,7 +94,12 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
     }
     problems.extend(description.bodies.iter().enumerate().filter_map(|(index, body)| {
         let (found, most) = (body.hinge.friction.len(), body.hinge.kind.counts().1);
-        let message = format!("the hinge of `{}` has {most} velocities and {found} values of friction", body.name);
+        let message = format!(
+            "the hinge of `{}` has {} and {} of friction",
+            body.name,
+            counted(most, "velocity", "velocities"),
+            counted(found, "value", "values")
+        );
         let (element, field) = (Element::Body(index), "hinge.friction".to_owned());
         (found > most).then_some(Problem { element, field, message, help: None })
     }));

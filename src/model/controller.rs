@@ -15,7 +15,7 @@ use super::Model;
 use super::description::Description;
 use super::motor::Motor;
 use super::output::Output;
-use super::problem::{Element, Problem};
+use super::problem::{Element, Problem, counted};
 use crate::formula::Formula;
 use crate::suggest::closest;
 use std::collections::HashMap;
@@ -140,7 +140,7 @@ impl Controller {
             }
             ControlLaw::Expression(formulas) => {
                 let variables: Vec<f64> = sensed.iter().copied().chain([time]).collect();
-                out.extend(formulas.iter().map(|formula| formula.value(&variables)));
+                out.extend(formulas.iter().map(|formula| formula.value_or_infinity(&variables)));
             }
         }
     }
@@ -288,7 +288,11 @@ impl<'a> Compiler<'a> {
                 }
                 for (field, list, count) in [("setpoint", setpoint, sensed), ("bias", bias, driven)] {
                     if known && !list.is_empty() && list.len() != count {
-                        let message = format!("`{field}` of `{name}` has {} numbers: {count} are wanted", list.len());
+                        let message = format!(
+                            "`{field}` of `{name}` has {}: {}",
+                            counted(list.len(), "number", "numbers"),
+                            counted(count, "is wanted", "are wanted")
+                        );
                         self.wrong(index, field, message, "or none, for zeros");
                     }
                 }
@@ -305,7 +309,11 @@ impl<'a> Compiler<'a> {
                 finite("bias", &[*bias]);
                 if known && (sensed, driven) != (1, 1) {
                     let field = if sensed == 1 { "drives" } else { "senses" };
-                    let message = format!("`{name}` senses {sensed} numbers and drives {driven} inputs");
+                    let message = format!(
+                        "`{name}` senses {} and drives {}",
+                        counted(sensed, "number", "numbers"),
+                        counted(driven, "input", "inputs")
+                    );
                     self.wrong(
                         index,
                         field,
@@ -322,7 +330,11 @@ impl<'a> Compiler<'a> {
             }
             ControlLawDescription::Expression { texts } => {
                 if known && texts.len() != driven {
-                    let message = format!("`{name}` has {} formulas for {driven} inputs", texts.len());
+                    let message = format!(
+                        "`{name}` has {} for {}",
+                        counted(texts.len(), "formula", "formulas"),
+                        counted(driven, "input", "inputs")
+                    );
                     self.wrong(index, "expression", message, "one for each input that it drives");
                 }
                 let variables: Vec<&str> = labels.iter().map(String::as_str).chain(["t"]).collect();

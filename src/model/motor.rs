@@ -6,7 +6,7 @@ use super::couple::{Scalar, scalar};
 use super::couplings::{CoordinateName, MotionDescription};
 use super::description::Description;
 use super::prescribed::Prescribed;
-use super::problem::{Element, Problem};
+use super::problem::{Element, Problem, counted};
 use crate::formula::Formula;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -325,7 +325,11 @@ pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
 
 fn table_problem(at: &[f64], forces: &[f64]) -> Option<String> {
     if at.len() != forces.len() {
-        return Some(format!("{} points and {} forces: there must be as many", at.len(), forces.len()));
+        return Some(format!(
+            "{} and {}: there must be as many",
+            counted(at.len(), "point", "points"),
+            counted(forces.len(), "force", "forces")
+        ));
     }
     if at.is_empty() {
         return Some("a table needs at least one point".to_owned());

@@ -2,6 +2,7 @@
 
 use super::couplings::MotionDescription;
 use crate::formula::{Formula, Jet};
+use crate::model::problem::counted;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
@@ -208,7 +209,11 @@ impl Spline {
     /// What is wrong with the points, for people.
     pub fn new(times: &[f64], values: &[f64]) -> Result<Self, String> {
         if times.len() != values.len() {
-            return Err(format!("{} times and {} values: there must be as many", times.len(), values.len()));
+            return Err(format!(
+                "{} and {}: there must be as many",
+                counted(times.len(), "time", "times"),
+                counted(values.len(), "value", "values")
+            ));
         }
         if times.len() < 2 {
             return Err("a table needs at least two points".to_owned());

@@ -76,6 +76,11 @@ pub fn significant(x: f64, digits: usize) -> String {
     without_zeros(&format!("{x:.decimals$}")).to_owned()
 }
 
+/// `3 bodies`, `1 body`.
+pub fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// Digits of two numbers that may look alike, up to all there are.
 const DIGITS: std::ops::RangeInclusive<usize> = 6..=17;
 

@@ -9,7 +9,7 @@ mod order;
 use super::Model;
 use super::couplings::{CoordinateName, DriveDescription, MotionDescription};
 use super::description::{Description, HingeDescription, HingeKind, WatchedDescription};
-use super::output::Output;
+use super::output::{Output, QuantityDescription};
 use super::problem::{Element, Problem};
 use super::stage::{StageDescription, Verb, When};
 use crate::spatial::Pose;
@@ -310,13 +310,32 @@ fn said(whole: &Description, stage: Option<usize>, problems: Vec<Problem>) -> Ve
         Some(stage) => (Element::Stage(stage), format!("after stage `{}`", whole.stages[stage].name)),
         None => (Element::Stage(0), "before the first stage".to_owned()),
     };
-    let at_stage = |Problem { message, help, .. }| Problem {
-        element,
-        field: String::new(),
-        message: format!("{when}: {message}"),
-        help,
+    let at_stage = |problem: Problem| {
+        let Problem { message, help, .. } = absent(whole, stage, &problem).unwrap_or(problem);
+        Problem { element, field: String::new(), message: format!("{when}: {message}"), help }
     };
     problems.into_iter().map(at_stage).collect()
+}
+
+/// The problem of an output that asks for the force of what a stage has opened, or closes later: it has none in between.
+fn absent(whole: &Description, stage: Option<usize>, problem: &Problem) -> Option<Problem> {
+    let come = stage.map_or(0, |stage| stage + 1);
+    whole.outputs.iter().find_map(|output| {
+        let QuantityDescription::Force { of, .. } = &output.of else { return None };
+        if !(problem.message.contains(&format!("`{}`", output.name)) && problem.message.contains(&format!("`{of}`"))) {
+            return None;
+        }
+        let opens = |one: &&StageDescription| one.open.contains(of);
+        let closes = |one: &&StageDescription| one.close.contains(of);
+        let (name, does) = match whole.stages[..come].iter().rfind(opens) {
+            Some(stage) => (&stage.name, "opens"),
+            None => (&whole.stages[come..].iter().find(closes)?.name, "closes"),
+        };
+        let message = format!("output `{}` asks for the force of `{of}`, which stage `{name}` {does}", output.name);
+        let help =
+            "what is open has no force: leave the output out, or take one of what is always there, as a `reaction`";
+        Some(Problem { message, help: Some(help.to_owned()), ..problem.clone() })
+    })
 }
 
 /// What is wrong with stages by themselves.

@@ -6,6 +6,7 @@ use super::reader::{Reader, number, numbers, rows};
 use crate::mesh::Mesh;
 use crate::model::burn::BurnDescription;
 use crate::model::description::{MassProperties, Timeline};
+use crate::model::problem::counted;
 use crate::model::shape::{Geometry, Shape, combined};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::path::Path;
@@ -80,7 +81,11 @@ pub(super) fn burn(body: &Reader<'_>, owner: &str) -> Option<BurnDescription> {
     let (centers, inertias) = (list("center"), list("inertia"));
     for (key, count) in [("center", centers.as_ref().map(Vec::len)), ("inertia", inertias.as_ref().map(Vec::len))] {
         if let Some(count) = count.filter(|count| *count != masses.len()) {
-            let message = format!("body `{owner}`: `burn` has {} masses and {count} rows of `{key}`", masses.len());
+            let message = format!(
+                "body `{owner}`: `burn` has {} and {} of `{key}`",
+                counted(masses.len(), "mass", "masses"),
+                counted(count, "row", "rows")
+            );
             table.findings.push(Finding::error(table.span_of(key), message));
             return None;
         }

@@ -17,6 +17,7 @@
 
 mod component;
 mod overlap;
+mod unit;
 
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};

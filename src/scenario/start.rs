@@ -30,7 +30,7 @@ use crate::constraint::Constraints;
 use crate::integrate::Method;
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
-use crate::model::problem::{Element, Problem};
+use crate::model::problem::{Element, Problem, counted};
 use crate::model::{Beam, Body, Link, ModalBody, Model};
 use crate::simulate::{Grid, Integrator, Resume, State};
 use crate::suggest::closest_of_many;
@@ -288,7 +288,7 @@ impl File<'_> {
                 continue;
             };
             if numbers.len() != known.len() {
-                let message = format!("{element} has {} rows, not {}", known.len(), numbers.len());
+                let message = format!("{element} has {}, not {}", counted(known.len(), "row", "rows"), numbers.len());
                 self.whole.findings.push(Finding::error(table.span_of(name), message));
                 continue;
             }

@@ -126,7 +126,7 @@ impl<'f> Control<'f> {
             for (input, force) in controller.drives.iter().zip(&self.set) {
                 if !force.is_finite() {
                     let input = self.model.motors[self.model.inputs[*input]].name.clone();
-                    let reason = format!("it sets `{input}` to {force}");
+                    let reason = unfit(&input, *force);
                     return Err(RunError::Controller { time, name: controller.name.clone(), reason });
                 }
                 system.inputs()[*input] = *force;
@@ -138,11 +138,17 @@ impl<'f> Control<'f> {
             law(sensed, system.inputs()).map_err(wrong)?;
             let bad = self.model.inputs.iter().zip(&*system.inputs()).find(|(_, force)| !force.is_finite());
             if let Some((motor, force)) = bad {
-                return Err(wrong(format!("it sets `{}` to {force}", self.model.motors[*motor].name)));
+                return Err(wrong(unfit(&self.model.motors[*motor].name, *force)));
             }
         }
         Ok(())
     }
+}
+
+/// What is wrong with a value that is not finite.
+fn unfit(input: &str, force: f64) -> String {
+    let what = if force.is_nan() { "what is not a number" } else { "an infinite number" };
+    format!("it sets `{input}` to {what}")
 }
 
 /// The first controller that pushes otherwise at an equilibrium than the input that statics has found it with.

@@ -18,6 +18,7 @@ mod relay;
 pub(super) use relay::scene;
 
 use crate::constraint::assemble;
+use crate::contact::pairs::Untouchable;
 use crate::dynamics::System;
 use crate::model::description::{Description, StageDescription, When};
 use crate::model::problem::{in_one_line, number, significant};
@@ -35,6 +36,7 @@ use crate::simulate::samples::scene::of_structure;
 use crate::simulate::settings::{Resume, Settings, Start};
 use crate::simulate::state::State;
 use crate::spatial::Pose;
+use crate::statics::standing::{Unanswered, overlap};
 use crate::suggest;
 use nalgebra::{UnitQuaternion, Vector3};
 use relay::{Layout, Relay};
@@ -220,8 +222,8 @@ impl Staged<'_> {
         self.pending().filter(|(_, stage)| is_due(&stage.when)).map(|(index, _)| index).collect()
     }
 
-    /// Changes the structure: see (1) and (2).
-    fn change(&mut self, stage: usize, recorder: &mut dyn Recorder) -> Result<(), RunError> {
+    /// Changes the structure: see (1) and (2). `gap` is what counts as closed, as in [`Settings`].
+    fn change(&mut self, stage: usize, gap: f64, recorder: &mut dyn Recorder) -> Result<(), RunError> {
         let (time, name) = (self.time, self.whole.stages[stage].name.clone());
         let stop = |why: String| RunError::Stage { time, name: name.clone(), why };
         let listed = |problems: Vec<Problem>| stop(in_one_line(&problems));
@@ -249,15 +251,16 @@ impl Staged<'_> {
             stop(format!("{}; let the parts meet before it closes", why.join("; ")))
         };
         let (next, assembly) = assemble(next).map_err(apart)?;
-        let (gap, allowed) = (assembly.given_gap, OPEN * next.length_scale());
-        if gap > allowed {
+        let (open, allowed) = (assembly.given_gap, OPEN * next.length_scale());
+        if open > allowed {
             let why = format!(
                 "what closes is open by {} m, allowed: {} m; let the parts meet before it closes",
-                number(gap),
+                number(open),
                 significant(allowed, 2)
             );
             return Err(stop(why));
         }
+        apart_or_closed(&next, gap, &state.position).map_err(stop)?;
         let mut new = Motion::new(&next);
         new.settle(time, &mut state.position, &mut state.velocity).map_err(fault)?;
         let after = new.energies(time, &state.position, &state.velocity);
@@ -274,6 +277,19 @@ impl Staged<'_> {
         self.happened.push(happened);
         Ok(())
     }
+}
+
+/// Bodies whose contacts act from now on do not overlap by more than counts as closed.
+fn apart_or_closed(model: &Arc<Model>, gap: f64, position: &[f64]) -> Result<(), String> {
+    let Some(rule) = model.contacts.first() else { return Ok(()) };
+    overlap(model, gap, position).map_err(|why| match why {
+        Unanswered::Untouchable(Untouchable::Overlap { between: [one, other], depth, allowed, .. }) => format!(
+            "`{one}` and `{other}` overlap by {} m, and {} m count as closed; let them be apart when it comes",
+            number(depth),
+            significant(allowed, 2)
+        ),
+        why => format!("contact `{}`: {why}", rule.name),
+    })
 }
 
 /// A length of time (s) after which `begin` is `end`, to the last digit where there is one.
@@ -317,7 +333,7 @@ pub(super) fn run(
     let mut event: Option<String> = None;
     loop {
         for stage in staged.due(event.as_deref()) {
-            staged.change(stage, recorder)?;
+            staged.change(stage, settings.gap, recorder)?;
         }
         let until = staged.next(end);
         let resume = total.as_ref().map(|done| Resume { time: staged.time, step: None, grid: None, ..done.resume });

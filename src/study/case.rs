@@ -92,7 +92,10 @@ impl Cases {
         let scenes = cases.scenes()?;
         let mut columns = vec![Column::new("case", Kind::Whole, "")];
         for (path, number) in cases.plan.paths().zip(cases.plan.are_numbers()) {
-            columns.push(Column::new(path, if number { Kind::Number } else { Kind::Word }, ""));
+            columns.push(match number {
+                true => Column::new(path, Kind::Number, cases.scenario.unit(&cases.set, path)),
+                false => Column::new(path, Kind::Word, ""),
+            });
         }
         columns.extend([Column::new("ok", Kind::Flag, ""), Column::new("error", Kind::Word, "")]);
         let inputs = columns.len();

@@ -31,7 +31,7 @@ impl Kind {
 /// A column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// Its heading.
+    /// What it is called, without its unit.
     pub name: String,
     /// What it holds.
     pub kind: Kind,
@@ -43,6 +43,11 @@ impl Column {
     /// A column.
     pub fn new(name: impl Into<String>, kind: Kind, unit: impl Into<Cow<'static, str>>) -> Self {
         Self { name: name.into(), kind, unit: unit.into() }
+    }
+
+    /// Its heading in CSV, with the unit if it has one: `arm.mass [kg]`.
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
     }
 }
 

@@ -11,6 +11,7 @@
 //! The distribution of each number by itself stays as it is.
 
 use super::distribution::{BELOW_ONE, standard_normal, standard_normal_below};
+use crate::model::problem::{counted, significant};
 use nalgebra::DMatrix;
 
 /// Correlated dimensions and the factor of their matrix.
@@ -51,7 +52,12 @@ impl Correlation {
             return Err(format!("`{name}` is there twice (column {})", index + 1));
         }
         if rows.len() != n {
-            return Err(format!("{n} addresses need {n} lines of numbers, not {}", rows.len()));
+            return Err(format!(
+                "{} {} of numbers, not {}",
+                counted(n, "address needs", "addresses need"),
+                counted(n, "line", "lines"),
+                rows.len()
+            ));
         }
         let mut matrix = DMatrix::zeros(n, n);
         for (i, row) in rows.iter().enumerate() {
@@ -60,7 +66,11 @@ impl Correlation {
             }
             let cells = &row[usize::from(named)..];
             if cells.len() != n {
-                return Err(format!("the line of `{}` has {} numbers, not {n}", names[i], cells.len()));
+                return Err(format!(
+                    "the line of `{}` has {}, not {n}",
+                    names[i],
+                    counted(cells.len(), "number", "numbers")
+                ));
             }
             for (j, cell) in cells.iter().enumerate() {
                 matrix[(i, j)] = cell.parse().map_err(|_| format!("`{cell}` is not a number"))?;
@@ -84,8 +94,9 @@ impl Correlation {
         let factor = matrix.clone().cholesky().map(|factor| factor.l()).ok_or_else(|| {
             let least = matrix.symmetric_eigenvalues().min();
             format!(
-                "it is not positive definite (its least eigenvalue is {least:.3e}): no numbers are correlated like this; \
-                 smaller correlations are possible"
+                "it is not positive definite (its least eigenvalue is {}): no numbers are correlated like this; \
+                 smaller correlations are possible",
+                significant(least, 4)
             )
         })?;
         Ok(Self { dimensions, factor, matrix })

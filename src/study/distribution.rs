@@ -3,6 +3,7 @@
 //! A distribution is asked for its quantile function `F⁻¹` alone: every way to sample gives probabilities `u` in (0, 1), and
 //! `x = F⁻¹(u)` has the distribution.
 
+use crate::model::problem::counted;
 use crate::quantity::{Dimension, Quantity};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
@@ -62,7 +63,7 @@ impl Distribution {
             ("lognormal", [mean, deviation]) => Self::Lognormal(*mean, *deviation),
             ("triangular", [low, mode, high]) => Self::Triangular(*low, *mode, *high),
             ("normal" | "uniform" | "lognormal" | "triangular", _) => {
-                return Err(format!("these are {} numbers: write {FORMS}", values.len()));
+                return Err(format!("{} written: write {FORMS}", counted(values.len(), "number is", "numbers are")));
             }
             _ => return Err(format!("there is no distribution `{name}`: write {FORMS}")),
         };

@@ -431,3 +431,18 @@ fn friction_and_stops_heed_what_controllers_set() {
     }
     assert!(ends.iter().all(|x| (x - ends[0]).abs() < 1e-10), "{ends:?}");
 }
+
+/// A value that is infinite is said to be that.
+#[test]
+fn an_infinite_input_is_told_as_such() {
+    let text = "[simulate]\nstart = \"given\"\nduration = 1.0\n[[body]]\nname = \"m\"\nmass = 1.0\n\
+        hinge = { type = \"prismatic\", axis = [1, 0, 0] }\n[[motor]]\nname = \"push\"\nhinge = \"m\"\ntype = \"input\"\n\
+        [[output]]\nname = \"x\"\ntype = \"position\"\nof = \"m\"\naxis = [1, 0, 0]\n\
+        [[controller]]\nname = \"c\"\ntype = \"expression\"\nsenses = [\"x\"]\ndrives = [\"push\"]\nperiod = 0.25\n\
+        expression = [\"1/(t-0.5)\"]\n";
+    let (scenario, model) = scene(text);
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let failed = run(&model, &scenario.simulate, 10.0, &start, &mut Kept::default(), &mut |_, _| true);
+    let said = failed.expect_err("a pole").to_string();
+    assert!(said.contains("sets `push` to an infinite number"), "{said}");
+}

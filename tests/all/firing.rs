@@ -263,7 +263,7 @@ fn bad_tables_are_shown_where_they_are_written() {
       = help: a body that burns has `mass`, `center` and `inertia` in its table, and is one
 
     scene.toml: 1 error
-    error: body `rocket`: `burn` has 2 masses and 1 rows of `center`
+    error: body `rocket`: `burn` has 2 masses and 1 row of `center`
      --> scene.toml:3:58
       |
     3 | burn = { times = [0.0, 1.0], mass = [2.0, 1.0], center = [[0.0, 0.0, 0.0]] }

@@ -438,7 +438,8 @@ fn the_program_writes_what_it_finds() {
     assert!(found["eigenvalues"].as_array().unwrap().len() == states && found["discrete"]["A"].is_array());
     let archive = std::fs::read(folder.path().join("x.npz")).unwrap();
     assert!(archive.starts_with(b"PK\x03\x04") && archive.windows(6).any(|part| part == b"\x93NUMPY"));
-    assert!(std::fs::read_to_string(folder.path().join("x.svg")).unwrap().contains("<svg"));
+    let svg = std::fs::read_to_string(folder.path().join("x.svg")).unwrap();
+    assert!(svg.contains("<svg") && svg.contains("size (units differ: see the names)"), "{svg}");
     assert_eq!(call(&[&given[..], &["--out", "x.mat", "--quiet"]].concat()).0, Some(0));
     let level_4 = std::fs::read(folder.path().join("x.mat")).unwrap();
     let word = |k: usize| u32::from_le_bytes(level_4[4 * k..4 * k + 4].try_into().unwrap()) as usize;
@@ -455,4 +456,26 @@ fn the_program_writes_what_it_finds() {
     }
     let (code, _, told) = call(&["linearize", &file("flyball_governor").display().to_string()]);
     assert!(code != Some(0) && told.contains("moves"), "{told}");
+}
+
+/// More curves than a plot shows are refused before the matrices are written.
+#[test]
+fn too_many_curves_leave_no_file_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "[[body]]\nname = \"m\"\nmass = 1.0\n\
+        hinge = { type = \"prismatic\", axis = [1, 0, 0], stiffness = 10.0 }\n\
+        [[motor]]\nname = \"push\"\nhinge = \"m\"\ntype = \"input\"\n"
+        .to_owned();
+    for k in 0..25 {
+        text += &format!("[[output]]\nname = \"x{k}\"\ntype = \"position\"\nof = \"m\"\naxis = [1, 0, 0]\n");
+    }
+    std::fs::write(folder.path().join("scene.toml"), text).unwrap();
+    let answer = Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+        .current_dir(folder.path())
+        .args(["linearize", "scene.toml", "--out", "x.json", "--bode", "x.svg"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(answer.stderr).unwrap();
+    assert!(answer.status.code() == Some(2) && said.contains("24 curves at most, and these are 25"), "{said}");
+    assert!(!folder.path().join("x.json").exists() && !folder.path().join("x.svg").exists());
 }

@@ -17,6 +17,13 @@ struct Line {
     failed: Vec<(f64, f64)>,
 }
 
+impl Line {
+    fn name(&self) -> String {
+        let crossed = if self.failed.is_empty() { "" } else { " (crossed: not what was wanted)" };
+        format!("{}{crossed}", self.label)
+    }
+}
+
 fn color(method: Method) -> RGBColor {
     match method {
         Method::Auto => BLUE,
@@ -73,16 +80,19 @@ fn draw(lines: Vec<Line>, title: &str, axes: [&str; 2]) -> anyhow::Result<String
     let all = || lines.iter().flat_map(|line| line.points.iter().copied());
     let theme = Theme::default();
     frame::svg(frame::SIZE, theme, |root| {
-        let (area, mut legend) = frame::with_legend(root, theme);
-        let mut chart = frame::logarithmic(&area, theme, title, all(), axes)?;
-        for Line { label, color, points, failed } in lines.iter().filter(|line| !line.points.is_empty()) {
+        let root = frame::titled(root, theme, title)?;
+        let lines: Vec<&Line> = lines.iter().filter(|line| !line.points.is_empty()).collect();
+        let names: Vec<String> = lines.iter().map(|line| line.name()).collect();
+        let width = frame::legend_width(names.iter().map(String::as_str));
+        let (area, mut legend) = frame::with_legend(&root, theme, width);
+        let mut chart = frame::logarithmic(&area, theme, all(), axes)?;
+        for (Line { color, points, failed, .. }, name) in lines.into_iter().zip(&names) {
             let style = color.stroke_width(frame::px(2));
             chart.draw_series(LineSeries::new(points.iter().copied(), style))?;
             let found = points.iter().filter(|at| !failed.contains(at));
             chart.draw_series(found.map(|at| Circle::new(*at, frame::at(4), color.filled())))?;
             chart.draw_series(failed.iter().map(|at| Cross::new(*at, frame::at(6), style)))?;
-            let crossed = if failed.is_empty() { "" } else { " (crossed: not what was wanted)" };
-            legend.line(&format!("{label}{crossed}"), style, None)?;
+            legend.line(name, style, None)?;
         }
         Ok(())
     })

@@ -25,6 +25,8 @@ const MOST_BEAMS: usize = 12;
 const PANEL: u32 = 230;
 const NAME: u32 = 34;
 const WIDTH: u32 = 1120;
+/// What dots are called, the longest name beside the panels.
+const DOTS: &str = "by strains, element ends";
 /// Names of the section forces.
 const NAMES: [&str; 6] = ["n", "qy", "qz", "t", "my", "mz"];
 
@@ -153,8 +155,8 @@ fn plot(diagrams: &[Diagram<'_>], title: &str) -> anyhow::Result<String> {
         .collect();
     let heights = blocks.iter().map(|panels| NAME + PANEL * panels.len() as u32);
     let theme = Theme::default();
-    frame::svg((WIDTH, 40 + heights.sum::<u32>()), theme, |root| {
-        let mut rest = root.titled(title, frame::letters(theme, 22))?;
+    frame::svg((WIDTH, frame::CAPTION + heights.sum::<u32>()), theme, |root| {
+        let mut rest = frame::titled(root, theme, title)?;
         for (diagram, panels) in diagrams.iter().zip(&blocks) {
             let (head, below) = rest.split_vertically(px(NAME));
             let unloaded = if panels.is_empty() { ": bears nothing" } else { "" };
@@ -172,14 +174,14 @@ fn plot(diagrams: &[Diagram<'_>], title: &str) -> anyhow::Result<String> {
 }
 
 fn draw(area: &Area<'_>, (what, unit, _): Panel, curves: &[Curve], theme: Theme) -> anyhow::Result<()> {
-    let (plane, mut legend) = frame::with_legend(area, theme);
+    let (plane, mut legend) = frame::with_legend(area, theme, frame::legend_width([DOTS]));
     let all = || curves.iter().flat_map(|curve| curve.line.iter().chain(&curve.dots));
     let across = (0.0, all().map(|(s, _)| *s).fold(f64::MIN_POSITIVE, f64::max));
     // From or to zero: what a beam bears is seen by its size.
     let up = range(all().map(|(_, x)| *x).chain([0.0]));
     let up_name = with_unit(what, unit);
     let axes: [frame::Axis<'_>; 2] = [("s (m)", &|x| tick(*x, across)), (&up_name, &|y| tick(*y, up))];
-    let mut chart = frame::linear(&plane, theme, "", (across, up), axes)?;
+    let mut chart = frame::linear(&plane, theme, (across, up), axes)?;
     chart.draw_series(LineSeries::new([(across.0, 0.0), (across.1, 0.0)], theme.ink().mix(0.5).stroke_width(px(1))))?;
     let mut has_dots = false;
     for (index, curve) in curves.iter().enumerate() {
@@ -193,7 +195,7 @@ fn draw(area: &Area<'_>, (what, unit, _): Panel, curves: &[Curve], theme: Theme)
     if has_dots {
         let sample =
             |(x, y): (i32, i32)| Circle::new((x + frame::at(14), y), frame::at(3), theme.ink().filled()).into_dyn();
-        legend.entry("by strains, element ends", sample)?;
+        legend.entry(DOTS, sample)?;
     }
     Ok(())
 }

@@ -9,6 +9,12 @@ use crate::statics::path::{EventKind, PathPoint};
 use plotters::element::IntoDynElement;
 use plotters::prelude::*;
 
+const VERDICTS: [StabilityVerdict; 3] =
+    [StabilityVerdict::Stable, StabilityVerdict::Unstable, StabilityVerdict::Neutral];
+/// What is marked.
+const EVENTS: [EventKind; 5] =
+    [EventKind::Fold, EventKind::Bifurcation, EventKind::Flutter, EventKind::Stop, EventKind::Lift];
+
 fn color(verdict: StabilityVerdict) -> RGBColor {
     match verdict {
         StabilityVerdict::Stable => BLUE,
@@ -31,10 +37,12 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
         [with_unit(&followed.settings.parameter, followed.unit()), with_unit(&coordinate.name, coordinate.unit)];
     let (title, theme) = (format!("{title}: equilibria"), Theme::default());
     frame::svg(frame::SIZE, theme, |root| {
-        let (area, mut legend) = frame::with_legend(root, theme);
+        let below = frame::titled(root, theme, &title)?;
+        let names_beside = VERDICTS.map(StabilityVerdict::name).into_iter().chain(EVENTS.map(EventKind::name));
+        let (area, mut legend) = frame::with_legend(&below, theme, frame::legend_width(names_beside));
         let axes: [frame::Axis<'_>; 2] = [(&names[0], &|x| tick(*x, across)), (&names[1], &|y| tick(*y, up))];
-        let mut chart = frame::linear(&area, theme, &title, (across, up), axes)?;
-        for verdict in [StabilityVerdict::Stable, StabilityVerdict::Unstable, StabilityVerdict::Neutral] {
+        let mut chart = frame::linear(&area, theme, (across, up), axes)?;
+        for verdict in VERDICTS {
             let style = color(verdict).stroke_width(px(2));
             let dashes = (verdict == StabilityVerdict::Unstable).then_some((8, 5));
             let all = runs(followed, verdict);
@@ -49,7 +57,7 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
                 legend.line(verdict.name(), style, dashes)?;
             }
         }
-        for kind in [EventKind::Fold, EventKind::Bifurcation, EventKind::Flutter, EventKind::Stop, EventKind::Lift] {
+        for kind in EVENTS {
             let mine = |point: &&PathPoint| point.event.as_ref().is_some_and(|event| event.kind == kind);
             let marks: Vec<(f64, f64)> = points().filter(mine).map(place).collect();
             for (x, y) in &marks {

@@ -28,8 +28,10 @@ pub(super) fn draw(study: &Study, title: &str) -> anyhow::Result<Option<String>>
     let axes = ["time of the steps (s)", "largest error (rad, scene lengths, the same per scene time)"];
     let theme = Theme::default();
     let drawn = frame::svg(frame::SIZE, theme, |root| {
-        let (area, mut legend) = frame::with_legend(root, theme);
-        let mut chart = frame::logarithmic(&area, theme, &title, all(), axes)?;
+        let root = frame::titled(root, theme, &title)?;
+        let width = frame::legend_width(lines.iter().map(|line| line.label.as_str()));
+        let (area, mut legend) = frame::with_legend(&root, theme, width);
+        let mut chart = frame::logarithmic(&area, theme, all(), axes)?;
         for Line { label, color, points } in &lines {
             let style = color.stroke_width(frame::px(2));
             chart.draw_series(LineSeries::new(points.iter().copied(), style))?;

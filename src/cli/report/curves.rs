@@ -9,8 +9,8 @@ use crate::record::Table;
 
 /// Columns of one channel that are drawn.
 const MOST_CURVES: usize = 8;
-/// Numbers that a page holds: with four bytes each in letters half a megabyte.
-const MOST_NUMBERS: usize = 96_000;
+/// Numbers that a page holds: with four bytes each in letters 0.45 megabytes.
+const MOST_NUMBERS: usize = 84_000;
 
 /// The curves of each channel that has some, as SVG.
 pub(super) fn curves(material: &Material) -> anyhow::Result<Vec<String>> {

@@ -24,8 +24,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const SCRIPT: &str = include_str!("viewer.js");
 const STYLE: &str = include_str!("style.css");
 const SIZE: [u32; 2] = [1200, 700];
-/// Numbers of one animation: with four bytes each in letters about 800 kB.
+/// Numbers of the run's animation: with four bytes each in letters about 800 kB. Of those of all modes together: 320 kB.
 const MOST_KEYS: usize = 150_000;
+const MOST_MODE_KEYS: usize = 60_000;
 /// The picture opens on all of a motion that takes up to this many times the length of what is there at its start, else on the start: a
 /// quarter of the picture's width shows what it is.
 const LARGEST_MOTION: f64 = 4.0;
@@ -58,7 +59,7 @@ pub(super) fn page(material: &Material) -> anyhow::Result<Page> {
     let _ = write!(out, "<h1>{}</h1>\n<p class=\"about\">{}</p>\n", escape(title), about(material));
     let verdict = words::verdict(material);
     let class = if verdict.fine { "fine" } else { "wrong" };
-    let _ = writeln!(out, "<p class=\"verdict {class}\">{}</p>", escape(&verdict.text));
+    let _ = writeln!(out, "<p class=\"verdict {class}\">{}</p>", prose(&verdict.text));
     out += &stage.html;
     paragraphs(&mut out, "Certificate", &words::certificate(&material.statics));
     tables::modes(&mut out, &material.statics);
@@ -88,6 +89,21 @@ pub(super) fn page(material: &Material) -> anyhow::Result<Page> {
         STANDARD.encode(&stage.glb),
     );
     Ok(Page { text: out, notes })
+}
+
+/// A sentence, what stands in backticks as code.
+fn prose(text: &str) -> String {
+    let text = escape(text);
+    let parts: Vec<&str> = text.split('`').collect();
+    // One that is not closed is no quotation mark.
+    let quoted = (parts.len() - 1) / 2;
+    let part = |(index, part): (usize, &&str)| match index {
+        0 => (*part).to_owned(),
+        _ if index > 2 * quoted => format!("`{part}"),
+        _ if index % 2 == 1 => format!("<code>{part}"),
+        _ => format!("</code>{part}"),
+    };
+    parts.iter().enumerate().map(part).collect()
 }
 
 fn head(title: &str) -> String {
@@ -143,7 +159,7 @@ fn paragraphs(out: &mut String, title: &str, lines: &[String]) {
     if !lines.is_empty() {
         let _ = writeln!(out, "<h2>{title}</h2>");
         lines.iter().for_each(|line| {
-            let _ = writeln!(out, "<p>{}</p>", escape(line));
+            let _ = writeln!(out, "<p>{}</p>", prose(line));
         });
     }
 }
@@ -231,7 +247,7 @@ fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
         clips.push(Clip { name: "run".to_owned(), times, poses, loads });
     }
     let modes = material.clips.iter().map(|clip| clip.times.len()).sum::<usize>();
-    let stride = modes.div_ceil(frames(MOST_KEYS)).max(1);
+    let stride = modes.div_ceil(frames(MOST_MODE_KEYS)).max(1);
     clips.extend(material.clips.iter().map(|clip| Clip {
         name: clip.name.clone(),
         times: clip.times.iter().step_by(stride).copied().collect(),
@@ -254,6 +270,12 @@ fn saves(out: &mut String, material: &Material) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn backticks_become_code() {
+        assert_eq!(prose("use `--verify` & `<x>`."), "use <code>--verify</code> &amp; <code>&lt;x&gt;</code>.");
+        assert_eq!((prose("a ` b").as_str(), prose("plain").as_str()), ("a ` b", "plain"));
+    }
 
     #[test]
     fn days_are_those_of_the_calendar() {

@@ -61,7 +61,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     } else if !arguments.quiet {
         let there = if rows < study.reader.cases { format!(" of {}", study.reader.cases) } else { String::new() };
         let failed = rows - answered;
-        output::print(&format!("{}: {rows}{there} cases, {failed} failed", arguments.studied.display()))?;
+        let cases = if study.reader.cases == 1 { "case" } else { "cases" };
+        output::print(&format!("{}: {rows}{there} {cases}, {failed} failed", arguments.studied.display()))?;
         for output in &outputs {
             output::print(&study.text(output))?;
         }
@@ -186,10 +187,11 @@ impl Study {
                     small(explained)
                 ),
                 (true, Some((one, other, by))) => format!(
-                    "  inputs are correlated (`{}` and `{}` by {by:+.2}): none has a share of the variance of its own; a line in all \
+                    "  inputs are correlated (`{}` and `{}` by {}): none has a share of the variance of its own; a line in all \
                      inputs explains {} %\n",
                     self.inputs[one],
                     self.inputs[other],
+                    number(by),
                     small(explained)
                 ),
                 (false, _) => format!(

@@ -3,7 +3,7 @@
 use super::{BeamDescription, BeamShape, MUCH_TURN, Material, Section};
 use crate::budget::LARGEST;
 use crate::model::description::{Description, GROUND};
-use crate::model::problem::{Element, Problem, number};
+use crate::model::problem::{Element, Problem, counted, number};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
@@ -109,7 +109,7 @@ fn check_shape(found: &mut Findings<'_>, beam: &BeamDescription) -> bool {
 fn check_elements(found: &mut Findings<'_>, beam: &BeamDescription) -> bool {
     let name = &beam.name;
     if beam.elements == 0 || beam.elements > MOST_ELEMENTS {
-        let message = format!("`{name}` has {} elements", beam.elements);
+        let message = format!("`{name}` has {}", counted(beam.elements, "element", "elements"));
         found.add("elements", message, &format!("allowed: 1 … {MOST_ELEMENTS}"));
         return false;
     }

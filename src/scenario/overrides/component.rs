@@ -9,6 +9,7 @@ use super::super::format::HINGE;
 use super::super::hinge::kind;
 use super::super::reader::{Reader, number};
 use super::{Change, walk};
+use crate::model::problem::counted;
 use crate::quantity::Quantity;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -198,8 +199,10 @@ impl<'a> Whole<'_, 'a> {
             return if items.len() == count {
                 Ok(items.iter().cloned().collect())
             } else {
-                Err(self
-                    .refuse(&format!("`{key}` has {count} numbers, not {}", items.len()), "give all of them".into()))
+                Err(self.refuse(
+                    &format!("`{key}` has {}, not {}", counted(count, "number", "numbers"), items.len()),
+                    "give all of them".into(),
+                ))
             };
         }
         let is_zero = number(value.get_ref()) == Some(0.0);
@@ -209,7 +212,10 @@ impl<'a> Whole<'_, 'a> {
         if is_zero {
             return Ok(self.identity(count));
         }
-        Err(self.refuse(&format!("`{key}` has {count} numbers"), format!("set it as a list of {count}")))
+        Err(self.refuse(
+            &format!("`{key}` has {}", counted(count, "number", "numbers")),
+            format!("set it as a list of {count}"),
+        ))
     }
 
     fn has_quaternion(&self) -> bool {

@@ -54,7 +54,7 @@ impl Scenario {
         })
     }
 
-    fn in_document<T>(&self, set: &[Override], then: impl FnOnce(&DeTable<'_>) -> Option<T>) -> Option<T> {
+    pub(super) fn in_document<T>(&self, set: &[Override], then: impl FnOnce(&DeTable<'_>) -> Option<T>) -> Option<T> {
         let changes: Vec<&Override> = set.iter().collect();
         document(&self.name, &self.text, &changes, |document, _, _, _| then(document)).0.flatten()
     }

@@ -244,7 +244,7 @@ pub fn fit(
     let model = Model::build(&scenario.description)
         .map_err(|problems| Trouble::Wrong(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")))?;
     let roles = Roles::of(table, (scenario, set), &model, question)?;
-    let start = question.parameters.iter().map(|one| started(one, scenario)).collect::<Result<Vec<f64>, _>>()?;
+    let start = question.parameters.iter().map(|one| started(one, scenario, set)).collect::<Result<Vec<f64>, _>>()?;
     for (index, one) in question.parameters.iter().enumerate() {
         let is_set = |place: &&usize| table.columns[**place].name == one.address;
         if roles.settings.iter().any(|place| is_set(&place)) {
@@ -335,20 +335,23 @@ fn refuse_overlaps(
 }
 
 /// Where the search begins.
-fn started(one: &Adjusted, scenario: &Scenario) -> Result<f64, Trouble> {
+fn started(one: &Adjusted, scenario: &Scenario, set: &[Override]) -> Result<f64, Trouble> {
     one.check().map_err(Trouble::Wrong)?;
     if let Some(start) = one.start {
         return Ok(start);
     }
     let start = match Parameter::find(&scenario.description, &one.address) {
         Ok(found) => found[0].value(&scenario.description),
+        Err(_) if scenario.has_key(set, &one.address) => {
+            return Err(Trouble::Wrong(format!(
+                "`{}` is a number that only reading the file sets: say where it starts, `{}=…`",
+                one.address, one.address
+            )));
+        }
         Err(unknown) => {
             return Err(Trouble::Wrong(match unknown.help {
-                Some(near) if near.starts_with("did you mean") => format!("{}; {near}", unknown.message),
-                _ => format!(
-                    "{}: of a number that only reading the file sets say the start, `{}=…`",
-                    unknown.message, one.address
-                ),
+                Some(near) => format!("{}; {near}", unknown.message),
+                None => unknown.message,
             }));
         }
     };

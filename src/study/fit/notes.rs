@@ -3,6 +3,7 @@
 use super::residuals::{Minimum, Way};
 use super::table::Table;
 use super::{Fit, Residual};
+use crate::model::problem::{number, significant};
 
 /// Parameters that are correlated by more than this are told.
 const CLOSE: f64 = 0.99;
@@ -23,8 +24,7 @@ pub(super) fn of(fit: &Fit, found: &Minimum, table: &Table, by_spread: bool) -> 
         });
     }
     for direction in &fit.together {
-        let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{part:+.3e} `{name}`")).collect();
-        notes.push(format!("the data does not determine these alone; nothing changes along {}", parts.join(" ")));
+        notes.push(format!("the data does not determine these alone; nothing changes along {}", sum(direction)));
     }
     for one in fit.parameters.iter().filter(|one| one.is_held) {
         notes.push(format!("`{}` is held at the end of its range: intervals are those of the others", one.address));
@@ -37,7 +37,8 @@ pub(super) fn of(fit: &Fit, found: &Minimum, table: &Table, by_spread: bool) -> 
             if let Some(correlation) = fit.correlation(i, j).filter(|x| x.abs() > CLOSE) {
                 let [a, b] = [i, j].map(|at| &fit.parameters[at].address);
                 notes.push(format!(
-                    "`{a}` and `{b}` are correlated by {correlation:+.4}: the data determines mostly one combination"
+                    "`{a}` and `{b}` are correlated by {}: the data determines mostly one combination",
+                    number(correlation)
                 ));
             }
         }
@@ -49,6 +50,21 @@ pub(super) fn of(fit: &Fit, found: &Minimum, table: &Table, by_spread: bool) -> 
         );
     }
     notes
+}
+
+/// A combination of parameters: `1 a - 0.2 b`, with their names in quotes.
+fn sum(direction: &[(String, f64)]) -> String {
+    let mut text = String::new();
+    for (name, part) in direction {
+        let sign = match (text.is_empty(), *part < 0.0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        text += &format!("{sign}{} `{name}`", significant(part.abs(), 4));
+    }
+    text
 }
 
 /// The parameters along which the sum of squares has no minimum.
@@ -88,4 +104,15 @@ fn empty(column: &Residual, table: &Table) -> Option<String> {
     let (which, are) = if empty == 1 { ("cell", "is") } else { ("cells", "are") };
     let name = &column.name;
     (empty > 0).then(|| format!("{empty} {which} of `{name}` {are} empty or `nan`: nothing was measured there"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sum;
+
+    #[test]
+    fn combinations_are_sums() {
+        let parts = [("a", 1.0), ("b", -0.2), ("c", 2.5e-9)].map(|(name, part)| (name.to_owned(), part));
+        assert_eq!(sum(&parts), "1 `a` - 0.2 `b` + 2.5e-9 `c`");
+    }
 }

@@ -1,5 +1,6 @@
 //! Measured tables: columns of numbers with names, in SI units.
 
+use crate::model::problem::counted;
 use crate::quantity::{Dimension, Quantity};
 
 /// A measured column.
@@ -35,7 +36,7 @@ impl Table {
         for (heading, mut values) in columns {
             let (name, unit) = split(&heading);
             if values.len() != rows {
-                return Err(format!("`{name}` has {} rows, the first column {rows}", values.len()));
+                return Err(format!("`{name}` has {}, the first column {rows}", counted(values.len(), "row", "rows")));
             }
             if let Some(row) = values.iter().position(|x| x.is_infinite()) {
                 return Err(format!("`{name}` is infinite in row {}", row + 1));

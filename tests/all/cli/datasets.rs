@@ -504,3 +504,22 @@ fn drawn_numbers_are_distributed_as_they_are_written() {
         }
     }
 }
+
+/// Units of what is varied stand where those of the answers do: in the fields of the parts and in the manifest.
+#[test]
+fn what_is_varied_has_units_in_a_dataset() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    bench.call(&["sweep", "scale.toml", "--over", "pan.mass=1,2", "--out", "set", "--quiet"]).code(0);
+    let manifest = std::fs::read_to_string(bench.path().join("set/_study.json")).expect("the manifest");
+    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
+    let unit = |name: &str| {
+        let columns = manifest["columns"].as_array().expect("columns");
+        columns.iter().find(|column| column["name"] == name).expect("a column")["unit"].clone()
+    };
+    assert_eq!((unit("pan.mass"), unit("case")), (json!("kg"), json!("")));
+    let part = File::open(bench.path().join("set/part-0000000.parquet")).expect("a part");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(part).expect("Parquet");
+    let field = reader.schema().field_with_name("pan.mass").expect("a column").clone();
+    assert_eq!(field.metadata().get("unit").map(String::as_str), Some("kg"));
+}

@@ -196,6 +196,38 @@ fn a_plot_has_the_names_and_units_of_its_lines() {
     assert!(!bench.names().contains(&"cut.svg".to_owned()));
 }
 
+/// An output with several numbers is plotted with all of them; along x stands one.
+#[test]
+fn all_numbers_of_an_output_are_plotted_by_its_name() {
+    let bench = Bench::new();
+    bench.write(
+        "scene.toml",
+        "[simulate]\nstart = \"given\"\nduration = 0.1\n[[body]]\nname = \"m\"\nmass = 1.0\n\
+         hinge = { type = \"prismatic\", axis = [1, 0, 0] }\n\
+         [[output]]\nname = \"tip\"\ntype = \"position\"\nof = \"m\"\n",
+    );
+    bench.call(&["run", "scene.toml", "--out", "run.mcap", "--quiet"]).code(0);
+    assert_eq!(bench.call(&["plot", "run.mcap", "tip", "-o", "x.svg"]).code(0).out, "x.svg: 3 lines\n");
+    let said = |arguments: &[&str]| bench.call(&[&["plot", "run.mcap"], arguments].concat()).code(2).err;
+    assert!(said(&["tap"]).contains("did you mean `tip`?"));
+    assert!(said(&["kinetic", "--x", "tip"]).contains("name one of `tip[0]`, `tip[1]`, `tip[2]`"));
+}
+
+/// What a reader of a table has not taken is no error.
+#[test]
+fn a_reader_that_leaves_ends_the_export_in_silence() {
+    let bench = Bench::new();
+    record(&bench, "a.mcap", &["--set", "record.rate=2000"]);
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stillpoint"));
+    let piped = std::process::Stdio::piped;
+    let call = ["export", "a.mcap", "--csv", "-"];
+    let mut child =
+        command.current_dir(bench.path()).args(call).stdout(piped()).stderr(piped()).spawn().expect("a process");
+    drop(child.stdout.take());
+    let answer = child.wait_with_output().expect("an answer");
+    assert!(answer.status.success() && answer.stderr.is_empty(), "{answer:?}");
+}
+
 #[test]
 fn comparison_finds_the_largest_difference_and_when() {
     let bench = Bench::new();

@@ -70,7 +70,7 @@ fn a_start_of_loops_is_checked_against_the_scene() {
     );
     bench.write("short.toml", written.replace("\"drive engine\" = [", "\"drive engine\" = [1.0, "));
     let answer = bench.call(&["run", &governor, "--start", "short.toml"]).code(2);
-    assert!(answer.err.contains("drive `engine` has 1 rows, not 2"), "{}", answer.err);
+    assert!(answer.err.contains("drive `engine` has 1 row, not 2"), "{}", answer.err);
 }
 
 #[test]

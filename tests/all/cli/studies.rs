@@ -178,3 +178,13 @@ fn numbers_that_share_an_entry_are_not_fitted_at_once() {
     refused("data.csv", &["hinge.stiffness", "pan.stiffness", "pan.rest"], both);
     refused("set.csv", &["pan.stiffness"], "the column `hinge.stiffness` and the parameter `pan.stiffness` both set");
 }
+
+/// A number that a fit cannot read from the scene wants a start, and is not said to be missing.
+#[test]
+fn a_parameter_that_reading_sets_wants_a_start() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    bench.write("data.csv", "pan.distance\n-0.1\n-0.2\n");
+    let said = bench.call(&["study", "scale.toml", "--fit", "data.csv", "--parameter", "pan.damping"]).code(2).err;
+    assert!(said.contains("`pan.damping` is a number that only reading the file sets: say where it starts"), "{said}");
+}

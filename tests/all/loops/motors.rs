@@ -93,7 +93,7 @@ fn motors_that_cannot_be() {
     );
     refused(
         &motor("type = \"table\"\nover = \"time\"\nat = [0.0, 1.0]\nforces = [1.0]"),
-        &["2 points and 1 forces: there must be as many"],
+        &["2 points and 1 force: there must be as many"],
     );
     refused(
         &motor("type = \"table\"\nover = \"time\"\nat = [1.0, 1.0]\nforces = [1.0, 2.0]"),

@@ -108,3 +108,32 @@ fn a_loop_that_does_not_meet_is_told_at_its_instant() {
         "{words}"
     );
 }
+
+/// A contact that closes while its bodies are deep in each other ends the run with time, stage and depth.
+#[test]
+fn a_contact_that_closes_too_late_is_told_at_its_instant() {
+    let text = "[simulate]\nstart = \"given\"\nduration = 1.0\n[[body]]\nname = \"ball\"\nmass = 1.0\n\
+        inertia = [0.004, 0.004, 0.004]\nshape = { sphere = 0.1 }\nhinge = { type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0] }\n\
+        [[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n\
+        [[contact]]\nname = \"c\"\nbetween = [\"ball\", \"floor\"]\n\
+        [[stage]]\nname = \"trap\"\nwhen = { time = 0.6 }\nclose = [\"c\"]\n";
+    let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}", problem.render(false)));
+    let model = Model::build(&scenario.description).expect("a sound scene");
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let failed = simulate::run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true);
+    let words = failed.expect_err("a ball under the floor").to_string();
+    // g t²/2 after 0.6 s.
+    assert!(words.contains("at t = 0.6 s stage `trap` cannot come: `ball` and `floor` overlap by 1.7652 m"), "{words}");
+    assert!(!words.contains("settle"), "{words}");
+}
+
+/// The force of a drive that a stage opens: the message says that, and not that there is no such drive.
+#[test]
+fn forces_of_what_opens_are_no_outputs() {
+    let text = said(
+        "[[drive]]\nname = \"hold\"\ntype = \"hold\"\nhinge = \"arm\"\n\
+         [[output]]\nname = \"held\"\ntype = \"force\"\nof = \"hold\"\n\
+         [[stage]]\nname = \"go\"\nwhen = { time = 0.5 }\nopen = [\"hold\"]\n",
+    );
+    assert!(text.contains("output `held` asks for the force of `hold`, which stage `go` opens"), "{text}");
+}

@@ -93,7 +93,7 @@ fn what_does_not_fit_the_scene_is_refused_where_it_stands() {
     parse_start("start.toml", fine, &description).expect("a start");
     let bad = [
         ("[positions]\narm = [0.3]\nball = [1, 0, 0, 0]\nbal = [0]\n", "no body `bal`", 4),
-        ("[positions]\narm = [0.3, 1]\nball = [1, 0, 0, 0]\n", "has 2 numbers, 1 are needed", 2),
+        ("[positions]\narm = [0.3, 1]\nball = [1, 0, 0, 0]\n", "has 2 numbers, 1 is needed", 2),
         ("[positions]\narm = [0.3]\nball = [1, 0, 0.1, 0]\n", "norm 1.004", 3),
         ("[positions]\narm = [nan]\nball = [1, 0, 0, 0]\n", "is nan", 2),
         ("[positions]\narm = [0.3]\n", "position of `ball` is missing", 1),

@@ -2,13 +2,17 @@
 
 use super::super::super::frame::{self, Area};
 use super::super::super::palette::{BLUE, Theme, VERMILION, range, tick};
+use super::super::super::plot::draw::with_unit;
 use super::{MOST_INPUTS, Output, Study};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Bars of the histogram.
 const BARS: usize = 40;
 /// Points that are drawn: of more, every n-th.
 const MOST_POINTS: u64 = 3000;
+/// Room for names left of bars (pixels).
+const MOST_NAME: u32 = 260;
 
 /// As SVG.
 ///
@@ -30,14 +34,15 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
         }
         row += 1;
     })?;
-    let unit = if output.unit.is_empty() { String::new() } else { format!(" ({})", output.unit) };
-    let name = format!("{}{unit}", output.name);
+    let name = with_unit(&output.name, &output.unit);
     frame::svg(frame::SIZE, theme, |root| {
         let (above, below) = root.split_vertically(root.dim_in_pixel().1 / 2);
         histogram(&above, theme, &name, ends, &bars)?;
         let (left, right) = below.split_horizontally(root.dim_in_pixel().0 / 2);
         if let Some(first) = first {
-            scatter(&left, theme, [&study.inputs[first], &name], &points)?;
+            let input = &study.inputs[first];
+            let unit = study.reader.numbers.iter().find(|(other, _)| other == input).map_or("", |(_, unit)| unit);
+            scatter(&left, theme, [&with_unit(input, unit), &name], &points)?;
         }
         let effects: Vec<(&str, f64, f64)> = effects
             .iter()
@@ -49,10 +54,11 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
 }
 
 fn histogram(area: &Area<'_>, theme: Theme, name: &str, ends: (f64, f64), bars: &[u64]) -> anyhow::Result<()> {
+    let area = frame::titled(area, theme, "distribution")?;
     let (across, most) = (range([ends.0, ends.1].into_iter()), bars.iter().copied().max().unwrap_or(1) as f64);
     let up = (0.0, 1.05 * most);
     let axes: [frame::Axis<'_>; 2] = [(name, &|x| tick(*x, across)), ("cases", &|y| tick(*y, up))];
-    let mut chart = frame::linear(area, theme, "distribution", (across, up), axes)?;
+    let mut chart = frame::linear(&area, theme, (across, up), axes)?;
     let width = (ends.1 - ends.0) / bars.len() as f64;
     let bar = |(index, cases): (usize, &u64)| {
         let left = ends.0 + index as f64 * width;
@@ -63,30 +69,36 @@ fn histogram(area: &Area<'_>, theme: Theme, name: &str, ends: (f64, f64), bars: 
 }
 
 fn scatter(area: &Area<'_>, theme: Theme, names: [&str; 2], points: &[(f64, f64)]) -> anyhow::Result<()> {
+    let area = frame::titled(area, theme, "what matters most")?;
     let (across, up) = (range(points.iter().map(|point| point.0)), range(points.iter().map(|point| point.1)));
     let axes: [frame::Axis<'_>; 2] = [(names[0], &|x| tick(*x, across)), (names[1], &|y| tick(*y, up))];
-    let mut chart = frame::linear(area, theme, "what matters most", (across, up), axes)?;
+    let mut chart = frame::linear(&area, theme, (across, up), axes)?;
     chart.draw_series(
         points.iter().map(|point| Circle::new(*point, frame::at(2), theme.shown(BLUE).mix(0.4).filled())),
     )?;
     Ok(())
 }
 
-/// Bars of the coefficients, the largest on top, with their confidence intervals.
+/// Bars of the coefficients, the largest on top, with their confidence intervals, the names left of them.
 fn tornado(area: &Area<'_>, theme: Theme, effects: &[(&str, f64, f64)]) -> anyhow::Result<()> {
+    let area = frame::titled(area, theme, "what every input does")?;
+    let room = effects.iter().map(|(name, ..)| frame::text_width(name)).max().unwrap_or(0).min(MOST_NAME);
+    let (names, bars) = area.split_horizontally(frame::px(room));
     let ends =
         effects.iter().flat_map(|(_, coefficient, confidence)| [coefficient - confidence, coefficient + confidence]);
     let (across, up) = (range(ends.chain([0.0])), (-(effects.len().max(1) as f64), 0.0));
     let axes: [frame::Axis<'_>; 2] =
         [("standardized regression coefficient", &|x| tick(*x, across)), ("", &|_| String::new())];
-    let mut chart = frame::linear(area, theme, "what every input does", (across, up), axes)?;
+    let mut chart = frame::linear(&bars, theme, (across, up), axes)?;
+    let style = frame::letters(theme, 14).pos(Pos::new(HPos::Right, VPos::Center));
     for (index, (name, coefficient, confidence)) in effects.iter().enumerate() {
         let y = -(index as f64);
         let color = theme.shown(if *coefficient < 0.0 { VERMILION } else { BLUE });
         chart.draw_series([Rectangle::new([(0.0, y - 0.15), (*coefficient, y - 0.85)], color.mix(0.7).filled())])?;
         let interval = [(coefficient - confidence, y - 0.5), (coefficient + confidence, y - 0.5)];
         chart.draw_series([PathElement::new(interval, theme.ink().stroke_width(frame::px(2)))])?;
-        chart.draw_series([Text::new((*name).to_owned(), (across.0, y - 0.08), frame::letters(theme, 14))])?;
+        let middle = chart.backend_coord(&(0.0, y - 0.5)).1 - names.get_base_pixel().1;
+        names.draw(&Text::new((*name).to_owned(), (frame::at(room as i32), middle), style.clone()))?;
     }
     Ok(())
 }
