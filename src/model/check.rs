@@ -40,7 +40,13 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
         let (body, given) = (&description.bodies[index].name, rows.problems.len());
         let unphysical = description.unphysical.contains(body);
         check_mass(&mut rows, Element::Body(index), body, row, unphysical);
-        rows.problems[given..].iter_mut().for_each(|problem| problem.field = format!("burn.{}", problem.field));
+        for problem in rows.problems.split_off(given) {
+            let (element, field) = (problem.element, format!("burn.{}", problem.field));
+            // The first row that is wrong stands for all.
+            if !rows.problems.iter().any(|other| (other.element, &other.field) == (element, &field)) {
+                rows.problems.push(Problem { field, ..problem });
+            }
+        }
     }));
     found.problems.extend(rows.problems);
     found.problems

@@ -225,6 +225,17 @@ fn said(body: &str, force: &str) -> String {
     }
 }
 
+/// An inertia that no body can have is said once, however many rows of the table have it.
+#[test]
+fn an_impossible_inertia_of_a_burn_is_said_once() {
+    let rows = "burn = { times = [0.0, 1.0], mass = [2.0, 1.0], inertia = [[1.0, 1.0, 9.0], [1.0, 1.0, 9.0]] }";
+    let text = said(rows, "");
+    assert!(
+        text.matches("no body can have").count() == 1 && text.contains("1 error") && !text.contains("copy"),
+        "{text}"
+    );
+}
+
 /// What is wrong with a table is shown where it is written.
 #[test]
 fn bad_tables_are_shown_where_they_are_written() {
@@ -288,7 +299,7 @@ fn bad_tables_are_shown_where_they_are_written() {
       = help: what burns becomes less: masses must not grow. What a body takes up has a velocity of its own: let another body join it by a `[[stage]]` with `close`
 
     scene.toml: 1 error
-    error: `over_time` of `force[0]` has 2 times and 1 values
+    error: `over_time` of `force[0]` has 2 times and 1 value
       --> scene.toml:10:13
        |
     10 | over_time = { times = [0.0, 1.0], values = [1.0] }
