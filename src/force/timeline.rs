@@ -62,6 +62,7 @@ impl Timeline {
             .or_else(|| thrice.map(|three| format!("has the time {} s more than twice", three[0])))
     }
 }
+
 /// The end of the word for so many things.
 fn plural(n: usize) -> &'static str {
     if n == 1 { "" } else { "s" }

@@ -115,7 +115,7 @@ fn a_contact_that_closes_too_late_is_told_at_its_instant() {
     let text = "[simulate]\nstart = \"given\"\nduration = 1.0\n[[body]]\nname = \"ball\"\nmass = 1.0\n\
         inertia = [0.004, 0.004, 0.004]\nshape = { sphere = 0.1 }\nhinge = { type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0] }\n\
         [[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n\
-        [[contact]]\nname = \"c\"\nbetween = [\"ball\", \"floor\"]\n\
+        [[contact]]\nname = \"c\"\nbetween = [\"ball\", \"floor\"]\nfriction = 0.2\n\
         [[stage]]\nname = \"trap\"\nwhen = { time = 0.6 }\nclose = [\"c\"]\n";
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}", problem.render(false)));
     let model = Model::build(&scenario.description).expect("a sound scene");
