@@ -44,11 +44,6 @@ impl Column {
     pub fn new(name: impl Into<String>, kind: Kind, unit: impl Into<Cow<'static, str>>) -> Self {
         Self { name: name.into(), kind, unit: unit.into() }
     }
-
-    /// Its heading in CSV, with the unit if it has one: `arm.mass [kg]`.
-    pub fn heading(&self) -> String {
-        if self.unit.is_empty() { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
-    }
 }
 
 /// What stands in one column of a row.

@@ -198,8 +198,8 @@ mod tests {
         for (text, word) in [
             ("5", "is no distribution"),
             ("normal(1, -2)", "is not negative"),
-            ("normal(1)", "these are 1 numbers"),
-            ("normal(1, 2, 3)", "these are 3 numbers"),
+            ("normal(1)", "1 number is written"),
+            ("normal(1, 2, 3)", "3 numbers are written"),
             ("normal(1, nan)", "nan"),
             ("normal(1 m, 2 kg)", "measure different things"),
             ("normal(1 m, 2)", "only some have one"),

@@ -117,6 +117,7 @@ impl Place {
             accelerations: &self.a,
             reactions: &reactions,
             stops: &[],
+            contacts: &[],
             energies,
             account: [0.0; 2],
             powers: Powers::default(),

@@ -22,8 +22,9 @@ impl Decades {
 
     /// Whole decades around the positive ones of some numbers.
     pub(in crate::cli) fn around(numbers: impl Iterator<Item = f64>) -> Self {
-        let (low, high) = numbers.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-        if !(low > 0.0 && high.is_finite()) {
+        let positive = numbers.filter(|x| *x > 0.0);
+        let (low, high) = positive.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+        if !(low <= high && high.is_finite()) {
             return Self::new(1.0, 10.0);
         }
         let (low, high) = (low.log10().floor(), high.log10().ceil());
@@ -92,6 +93,7 @@ mod tests {
     fn decades_are_whole_around_numbers() {
         assert_eq!(Decades::around([0.03, 7.0].into_iter()), Decades::new(0.01, 10.0));
         assert_eq!(Decades::around([100.0].into_iter()), Decades::new(100.0, 1000.0));
+        assert_eq!(Decades::around([0.0, 300.0].into_iter()), Decades::new(100.0, 1000.0));
         assert_eq!(Decades::around([].into_iter()), Decades::new(1.0, 10.0));
     }
 }

@@ -80,7 +80,7 @@ pub(super) fn main(arguments: &Arguments, data: &Path) -> anyhow::Result<Exit> {
         Err(Trouble::Wrong(why)) => bail!("{why}"),
     };
     if let Some(out) = &options.out {
-        output::save(out, beside(&table, &found, &|name| scenario.unit(&set, name))?.as_bytes())?;
+        output::save(out, beside(&table, &found)?.as_bytes())?;
     }
     if arguments.json {
         let mut answer = json(&found);
@@ -123,21 +123,13 @@ fn read(path: &Path) -> anyhow::Result<Table> {
     Table::new(columns).map_err(context)
 }
 
-/// The table in SI units, with a column `fitted NAME` beside each one that was measured; `unit` is that of what was set.
-fn beside(table: &Table, fit: &Fit, unit: &dyn Fn(&str) -> &'static str) -> anyhow::Result<String> {
+/// The table in SI units, with a column `fitted NAME` beside each one that was measured.
+fn beside(table: &Table, fit: &Fit) -> anyhow::Result<String> {
     let mut rows = csv::Writer::from_writer(Vec::new());
     let measured = |name: &str| fit.columns.iter().find(|column| column.name == name);
     let headings = table.columns.iter().flat_map(|column| {
-        let name = column.name.as_str();
-        let heading = |before: &str, unit: &str| match unit {
-            "" => format!("{before}{name}"),
-            unit => format!("{before}{name} [{unit}]"),
-        };
-        match measured(name) {
-            Some(found) => vec![heading("", &found.unit), heading("fitted ", &found.unit)],
-            None if name == "time" => vec![heading("", "s")],
-            None => vec![heading("", unit(name))],
-        }
+        let fitted = measured(&column.name).map(|_| format!("fitted {}", column.name));
+        [column.name.clone()].into_iter().chain(fitted)
     });
     rows.write_record(headings)?;
     let cell = |x: f64| if x.is_nan() { String::new() } else { exact(x) };

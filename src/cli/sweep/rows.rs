@@ -5,7 +5,7 @@ use super::super::text::{count, number, without_noise};
 use crate::model::Model;
 use crate::study::axis::word;
 use crate::study::plan::Value;
-use crate::study::{Cases, Cell, Column, Row};
+use crate::study::{Cases, Cell, Row};
 use crate::whole_file::WholeFile;
 use serde_json::{Map, json};
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ impl<'c> Rows<'c> {
     pub(super) fn new(cases: &'c Cases, table: Option<WholeFile>, json: bool) -> anyhow::Result<Self> {
         let mut table = table.map(csv::Writer::from_writer);
         if let Some(table) = &mut table {
-            table.write_record(cases.columns().iter().map(Column::heading))?;
+            table.write_record(cases.columns().iter().map(|column| &column.name))?;
         }
         let list = json.then(Vec::new);
         let length = Model::build(&cases.scenario().description).map_or(0.0, |model| model.length_scale());

@@ -523,3 +523,24 @@ fn what_is_varied_has_units_in_a_dataset() {
     let field = reader.schema().field_with_name("pan.mass").expect("a column").clone();
     assert_eq!(field.metadata().get("unit").map(String::as_str), Some("kg"));
 }
+
+/// Few cases are computed side by side as many are: a part has as many rows as go together, at least.
+#[test]
+fn parts_hold_what_is_computed_side_by_side() {
+    let bench = Bench::new();
+    let chain = shipped("chain_of_twenty");
+    let set = ["--set", "simulate.integrator=rk4", "--set", "simulate.duration=0.02", "--quiet"];
+    let of = |more: &[&str], folder: &str| {
+        let call = [&["sweep", &chain, "--run", "--vary", "link[7].mass=uniform(0.1,1)", "--out", folder], more, &set]
+            .concat();
+        bench.call(&call).code(0);
+        let manifest = std::fs::read_to_string(bench.path().join(folder).join("_study.json")).expect("the manifest");
+        let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
+        [&manifest["side_by_side"], &manifest["rows_per_part"]].map(|number| number.as_u64().expect("a number"))
+    };
+    let [together, rows] = of(&["--cases", "8"], "eight");
+    assert!(together > 1 && rows == together, "{together} side by side in parts of {rows}");
+    assert_eq!(of(&["--cases", "3"], "three")[1], 1);
+    let [together, rows] = of(&["--cases", "8", "--part-rows", "5"], "asked");
+    assert!(together > 1 && rows == 5, "{rows}");
+}

@@ -392,3 +392,31 @@ fn watching_tells_what_a_change_does() {
     assert!(out.contains("pan.distance         -0.09807 → -0.1961 (-0.09807)"), "{out}");
     assert!(out.contains("mode 1               1.592 → 1.125 Hz (-29.29 %)"), "{out}");
 }
+
+/// Balls that have flown away leave what stays in the picture, which says so; of what flies as a whole all is framed.
+#[test]
+fn what_stays_is_framed_where_others_fly_away() {
+    let bench = Bench::new();
+    let ball = |name: &str, speed: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1.0\nshape = {{ sphere = 0.2 }}\n\
+             hinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = {speed:?} }}\n"
+        )
+    };
+    let scene = |speeds: [f64; 3]| {
+        let balls: String = ["a", "b", "c"].iter().zip(speeds).map(|(name, speed)| ball(name, speed)).collect();
+        format!("simulate = {{ start = \"given\", duration = 2.0 }}\n{balls}")
+    };
+    for (speeds, said) in [([0.0, 0.1, 90.0], true), ([90.0, 91.0, 92.0], false)] {
+        bench.write("scene.toml", scene(speeds));
+        bench.call(&["run", "scene.toml", "--quiet", "--out", "a.mcap"]).code(0);
+        let call = ["picture", "a.mcap", "--at", "2", "-o", "a.svg"];
+        let told = bench.call(&call).code(0).err;
+        assert_eq!(told.contains("1 body is far from where the others are"), said, "{told}");
+        let near = std::fs::read(bench.path().join("a.svg")).expect("a picture");
+        let told = bench.call(&[&call[..], &["--around", "*"]].concat()).code(0).err;
+        assert!(!told.contains("far from"), "{told}");
+        let all = std::fs::read(bench.path().join("a.svg")).expect("a picture");
+        assert_eq!(near != all, said);
+    }
+}

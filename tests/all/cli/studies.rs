@@ -188,15 +188,3 @@ fn a_parameter_that_reading_sets_wants_a_start() {
     let said = bench.call(&["study", "scale.toml", "--fit", "data.csv", "--parameter", "pan.damping"]).code(2).err;
     assert!(said.contains("`pan.damping` is a number that only reading the file sets: say where it starts"), "{said}");
 }
-
-/// The table beside a fit is in SI units, and its headings say so.
-#[test]
-fn the_table_of_a_fit_says_its_units() {
-    let bench = Bench::new();
-    let (scene, data) = (shipped("fits/test_rig"), shipped("fits/test_rig").replace(".toml", "_static.csv"));
-    let call = ["study", &scene, "--fit", &data, "--parameter", "arm.stiffness", "arm.rest", "--out", "fit.csv"];
-    bench.call(&call).code(0);
-    let text = std::fs::read_to_string(bench.path().join("fit.csv")).expect("a table");
-    let head = text.lines().next().expect("headings");
-    assert!(head.contains("angle [rad],fitted angle [rad]") && head.contains("weight.force[2] [N]"), "{head}");
-}
