@@ -144,7 +144,7 @@ fn stayed(footage: &Footage, drawing: &Drawing, [first, shown]: [&OwnedSample; 2
     let stay: Vec<bool> = first.bodies.iter().zip(&shown.bodies).map(|pair| moved(pair) <= reach).collect();
     let movable = || footage.recording.scene.bodies.iter().zip(&stay).filter(|(body, _)| body.hinge != "fixed");
     let (near, all) = (movable().filter(|(_, stays)| **stays).count(), movable().count());
-    (near < all && 2 * near >= all).then_some(stay)
+    (near < all && 2 * near > all).then_some(stay)
 }
 
 /// The first sample, or the one nearest to a time; that a time is beyond the recording is said.

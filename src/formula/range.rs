@@ -300,7 +300,10 @@ impl Formula {
     /// where there is no value.
     pub fn range(&self, variables: &[[f64; 2]]) -> [f64; 2] {
         let of = |index: usize| variables.get(index).map_or(Range::UNKNOWN, |ends| Range::between(*ends));
-        let found = Ranges::new(self, 0).follow(of, [0, self.steps.len() - 1]).range;
+        let mut ranges = Ranges::new(self, 0);
+        ranges.follow(of, [0, self.steps.len() - 1]);
+        // The last step of comparisons in a chain is not its result.
+        let found = ranges.registers[0];
         [found.low, found.high]
     }
 
@@ -407,6 +410,15 @@ mod tests {
             let Stretch { range, switches } = Ranges::new(&formula, 0).whole([-3.0, -2.0]);
             assert!(range.is_nothing() && !switches, "{text}: {range:?}");
         }
+    }
+
+    /// Over ranges of all variables; the last step of comparisons in a chain is not their result.
+    #[test]
+    fn ranges_of_several_variables_hold_the_result() {
+        let formula = Formula::parse("1 < q < 2", &["t", "q"]).unwrap();
+        let over = |q: [f64; 2]| formula.range(&[[0.0, 9.0], q]);
+        assert_eq!([over([0.0, 3.0]), over([3.0, 4.0]), over([1.2, 1.8])], [[0.0, 1.0], [0.0; 2], [1.0; 2]]);
+        assert_eq!(Formula::parse("t*q", &["t", "q"]).unwrap().range(&[[-1.0, 2.0], [3.0, 4.0]]), [-4.0, 8.0]);
     }
 
     /// Of other variables nothing is known, but for what does not need them.

@@ -199,6 +199,11 @@ impl Events {
         })
     }
 
+    /// Forgets signs that were taken before what touches was known: what it pushes with is no crossing.
+    pub(super) fn forget(&mut self) {
+        self.watches.clear();
+    }
+
     /// Takes the signs at the start of a run or after a transition; what is watched depends on the discrete state.
     pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());

@@ -242,6 +242,7 @@ impl<'m, 'f> Run<'m, 'f> {
         {
             run.ledger.held_from_start(contacts.potential(system));
         }
+        run.events.iter_mut().for_each(Events::forget);
         run.arm(motion, begin);
         if run.is_due(begin) {
             run.control(motion, settings, begin)?;

@@ -62,12 +62,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
-        // `constraint` for the assembly of what a stage closes, `sparse` for rows beside a sparse tangent, `suggest` for names of
-        // stages.
+        // `constraint` for the assembly of what a stage closes, `formula` for what expressions do between two looks, `sparse` for rows
+        // beside a sparse tangent, `suggest` for names of stages.
         &[
             "constraint",
             "contact",
             "force",
+            "formula",
             "hinge",
             "model",
             "motion",
@@ -180,6 +181,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Foreign crate → the modules that may name it.
 const FOREIGN: &[(&str, &[&str])] = &[
+    ("feral", &["sparse"]),
     ("strsim", &["suggest"]),
     ("stl_io", &["mesh"]),
     ("tobj", &["mesh"]),
@@ -231,7 +233,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
 ];
 
 /// What the core is compiled with: every other crate belongs to a feature.
-const CORE: &[&str] = &["allocator-api2", "faer", "hugealloc", "nalgebra", "rayon", "strsim", "thiserror", "wide"];
+const CORE: &[&str] =
+    &["allocator-api2", "faer", "feral", "hugealloc", "nalgebra", "rayon", "strsim", "thiserror", "wide"];
 
 /// A file longer than this is more than one can hold in the head.
 const MOST_LINES: usize = 450;

@@ -96,6 +96,8 @@ impl Occurrence {
             Kind::Stage => format!("stage `{name}`, which takes out {value} J"),
             Kind::Switch => format!("`{name}` takes over after a step of {value} s"),
             Kind::Slip | Kind::Stick => format!("`{name}` {} at {value}", kind.name()),
+            // How fast some outputs change is not known.
+            _ if speed.is_nan() => format!("{} of `{name}` at {value}", kind.name()),
             _ => format!("{} of `{name}` at {value}, speed {}", kind.name(), shown(*speed)),
         }
     }
