@@ -5,8 +5,7 @@
 //! | symmetric, wanted definite | L Lᵀ | none, or it breaks down |
 //! | symmetric | L D Lᵀ without pivoting | negative pivots, if a refinement contracts |
 //! | the same with rows | equilibrated and regularized, eq. (1) | negative pivots less rows, if a refinement contracts |
-//! | symmetric, of which that lost its digits | L D Lᵀ with pivoting, put off where no pivot will do | the same |
-//! | symmetric, of which that did too | L U with pivoting; dense L B Lᵀ for the count | of the blocks B |
+//! | symmetric, of which L D Lᵀ lost its digits | L U with pivoting; dense L B Lᵀ for the count | of the blocks B |
 //! | any other | L U with pivoting | not asked for |
 //!
 //! ```text
@@ -16,13 +15,13 @@
 //!
 //! (1) is equilibrated (Ruiz), factorized with −τ on the diagonal of its m rows, and refined against the matrix with zeros there.
 //!
-//! L D Lᵀ is the exact factorization of a matrix `A₁` near the `A₀` that was meant. If their inertias
+//! Without pivoting L D Lᵀ is the exact factorization of a matrix `A₁` near the `A₀` that was meant. If their inertias
 //! differ, `A₀ + t (A₁ − A₀)` is singular at a `t` within (0, 1) and `1 − A₁⁻¹ A₀` has the eigenvalue `1/(1 − t)`
 //! above 1: refinement then diverges. A refinement that contracts so says that the count holds. One direction alone in which it diverges is a
 //! small part of a vector at first: rounds are made until less is left than that part would have become.
 
 use crate::model::Model;
-use crate::sparse::{Cholesky, General, Pivoted, SparseRows, times};
+use crate::sparse::{Cholesky, General, SparseRows, times};
 use crate::transfer::tangent::{Applied, At, Pair, TangentMatrix};
 use faer::{Mat, Side};
 use std::cell::OnceCell;
@@ -47,17 +46,6 @@ const REGULARIZED: [f64; 3] = [1e-9, 1e-11, 1e-7];
 /// Sweeps of the equilibration: each halves the logarithm of how far the largest entry of a row is from one.
 const SWEEPS: usize = 5;
 
-/// Which factorization solutions are made with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
-    /// L Lᵀ, or L D Lᵀ without pivoting.
-    Cholesky,
-    /// L D Lᵀ with pivoting.
-    Pivoted,
-    /// L U.
-    General,
-}
-
 /// The tangent of a model as a sparse matrix, with rows or without, and its factorization.
 #[derive(Debug, Clone)]
 pub(super) struct Sparse {
@@ -79,9 +67,8 @@ pub(super) struct Sparse {
     scaled: Vec<f64>,
     tau: f64,
     cholesky: Cholesky,
-    pivoted: Option<Box<Pivoted>>,
     general: Option<Box<General>>,
-    way: Way,
+    by_pivoting: bool,
     /// `None` if they have not been counted, or could not be.
     negatives: Option<usize>,
     /// What a dense factorization has counted where they were asked for; empty before that.
@@ -111,9 +98,8 @@ impl Sparse {
             scaled: Vec::new(),
             tau: 0.0,
             cholesky: Cholesky::new((&starts, &indices)),
-            pivoted: None,
             general: None,
-            way: Way::Cholesky,
+            by_pivoting: false,
             negatives: None,
             at_last: OnceCell::new(),
             refinements: 0,
@@ -155,7 +141,7 @@ impl Sparse {
         self.upper.resize(self.indices.len(), 0.0);
         self.lower.resize(if rows.is_empty() { 0 } else { self.indices.len() }, 0.0);
         self.cholesky = Cholesky::new((&self.starts, &self.indices));
-        (self.pivoted, self.general) = (None, None);
+        self.general = None;
         let whole = n + rows.len();
         for list in [&mut self.rhs, &mut self.x, &mut self.residual] {
             list.resize(whole, 0.0);
@@ -186,7 +172,7 @@ impl Sparse {
     /// that is singular, or not definite on what the rows leave and that is wanted.
     pub(super) fn factorize(&mut self, shift: &[f64], definite: bool) -> bool {
         self.fill(shift);
-        (self.negatives, self.refinements, self.way) = (None, 0, Way::Cholesky);
+        (self.negatives, self.refinements, self.by_pivoting) = (None, 0, false);
         self.at_last = OnceCell::new();
         if !self.symmetric {
             return self.factorize_by_pivoting();
@@ -200,7 +186,6 @@ impl Sparse {
             true => self.cholesky.ldlt(pattern, &self.upper).filter(|_| self.contracts()),
             false => self.factorize_regularized(),
         };
-        let count = count.or_else(|| self.factorize_with_pivots());
         let (rows, is_counted) = (self.rows.len(), count.is_some());
         let count = count.or_else(|| if definite { self.count_densely(MOST_DENSE) } else { None });
         self.negatives = count.and_then(|count| count.checked_sub(rows));
@@ -254,14 +239,6 @@ impl Sparse {
         None
     }
 
-    /// L D Lᵀ with pivoting; the number of negative pivots if it is to be trusted.
-    fn factorize_with_pivots(&mut self) -> Option<usize> {
-        let Self { pivoted, starts, indices, upper, way, .. } = self;
-        let pivoted = pivoted.get_or_insert_with(|| Box::new(Pivoted::new((starts, indices))));
-        *way = Way::Pivoted;
-        pivoted.factorize(upper).filter(|_| self.contracts())
-    }
-
     /// Symmetric equilibration: every row's largest entry near one.
     fn equilibrate(&mut self) {
         let Self { starts, indices, upper, scales, scaled, residual: largest, .. } = self;
@@ -311,22 +288,14 @@ impl Sparse {
     /// `x ← x − A₁⁻¹ A₀ x`: what a round of refinement leaves of an error.
     fn keep_error(&mut self) {
         self.multiply();
-        self.solve_residual();
+        self.cholesky.solve(&mut self.residual);
         self.x.iter_mut().zip(&self.residual).for_each(|(x, y)| *x -= y);
-    }
-
-    /// `residual ← A₁⁻¹ residual`
-    fn solve_residual(&mut self) {
-        match (self.way, &mut self.pivoted) {
-            (Way::Pivoted, Some(pivoted)) => pivoted.solve(&mut self.residual),
-            _ => self.cholesky.solve(&mut self.residual),
-        }
     }
 
     /// `residual ← A x` in the units of the factorization, without what regularizes it.
     fn multiply(&mut self) {
-        let Self { starts, indices, upper, scaled, tau, rows, x, residual, held, way, .. } = self;
-        if rows.is_empty() || *way == Way::Pivoted {
+        let Self { starts, indices, upper, scaled, tau, rows, x, residual, held, .. } = self;
+        if rows.is_empty() {
             return times((starts, indices), upper, x, residual);
         }
         times((starts, indices), scaled, x, residual);
@@ -335,7 +304,7 @@ impl Sparse {
     }
 
     fn factorize_by_pivoting(&mut self) -> bool {
-        self.way = Way::General;
+        self.by_pivoting = true;
         let Self { matrix, general, starts, indices, upper, lower, held, symmetric, .. } = self;
         let lower = match (*symmetric, lower.is_empty()) {
             (true, _) => &*upper,
@@ -395,28 +364,21 @@ impl Sparse {
         self.rhs[..n].copy_from_slice(x);
         self.rhs[n..].fill(0.0);
         self.rhs[n..].iter_mut().zip(s).for_each(|(rhs, s)| *rhs = *s);
-        if self.way == Way::General {
+        if self.by_pivoting {
             let Some(general) = &mut self.general else { return x.fill(f64::NAN) };
             general.solve(&mut self.rhs);
             return x.copy_from_slice(&self.rhs[..n]);
         }
-        // Pivots are chosen in a matrix as it is.
-        let is_scaled = self.way == Way::Cholesky;
-        if is_scaled {
-            self.rhs.iter_mut().zip(&self.scales).for_each(|(b, scale)| *b *= scale);
-        }
-        self.residual.copy_from_slice(&self.rhs);
-        self.solve_residual();
-        self.x.copy_from_slice(&self.residual);
+        self.rhs.iter_mut().zip(&self.scales).for_each(|(b, scale)| *b *= scale);
+        self.x.copy_from_slice(&self.rhs);
+        self.cholesky.solve(&mut self.x);
         for _ in 0..self.refinements {
             self.multiply();
             self.residual.iter_mut().zip(&self.rhs).for_each(|(r, b)| *r = b - *r);
-            self.solve_residual();
+            self.cholesky.solve(&mut self.residual);
             self.x.iter_mut().zip(&self.residual).for_each(|(x, dx)| *x += dx);
         }
-        if is_scaled {
-            self.x.iter_mut().zip(&self.scales).for_each(|(x, scale)| *x *= scale);
-        }
+        self.x.iter_mut().zip(&self.scales).for_each(|(x, scale)| *x *= scale);
         x.copy_from_slice(&self.x[..n]);
     }
 

@@ -4,7 +4,6 @@
 mod cholesky;
 mod general;
 mod gram;
-mod pivoted;
 mod products;
 mod rank;
 mod rows;
@@ -13,7 +12,6 @@ mod triangular;
 pub(crate) use cholesky::Cholesky;
 pub(crate) use general::General;
 pub use gram::Gram;
-pub(crate) use pivoted::Pivoted;
 pub(crate) use products::products;
 pub(crate) use rank::{kernel, rank};
 pub use rows::SparseRows;

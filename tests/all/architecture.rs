@@ -181,7 +181,6 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Foreign crate → the modules that may name it.
 const FOREIGN: &[(&str, &[&str])] = &[
-    ("feral", &["sparse"]),
     ("strsim", &["suggest"]),
     ("stl_io", &["mesh"]),
     ("tobj", &["mesh"]),
@@ -233,8 +232,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
 ];
 
 /// What the core is compiled with: every other crate belongs to a feature.
-const CORE: &[&str] =
-    &["allocator-api2", "faer", "feral", "hugealloc", "nalgebra", "rayon", "strsim", "thiserror", "wide"];
+const CORE: &[&str] = &["allocator-api2", "faer", "hugealloc", "nalgebra", "rayon", "strsim", "thiserror", "wide"];
 
 /// A file longer than this is more than one can hold in the head.
 const MOST_LINES: usize = 450;

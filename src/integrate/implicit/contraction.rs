@@ -87,10 +87,10 @@ impl Iteration {
         if contraction < 1.0 { (to_go / contraction.ln()).max(0.0) } else { f64::INFINITY }
     }
 
-    /// The error that the iteration has left, in tolerances of a step: about what its last change says.
+    /// The error that the iteration has left, in tolerances of a step: about what its last change and the contraction seen say.
     pub(crate) fn error(&self) -> f64 {
-        let [size, _] = self.before;
-        size.map_or(0.0, |size| self.remaining(self.contraction.clamp(0.0, POOREST), size))
+        let ([size, _], contraction) = (self.before, self.contraction.clamp(0.0, POOREST));
+        size.map_or(0.0, |size| contraction / (1.0 - contraction) * size)
     }
 
     /// The error left after a change of this size.
