@@ -223,9 +223,7 @@ impl Sparse {
     fn factorize_regularized(&mut self) -> Option<usize> {
         self.equilibrate();
         let n = self.held.len();
-        // What was right for the last matrix is so for most that follow.
-        let last = REGULARIZED.iter().position(|tau| *tau == self.tau).unwrap_or(0);
-        for tau in REGULARIZED.into_iter().cycle().skip(last).take(REGULARIZED.len()) {
+        for tau in REGULARIZED {
             for row in n..self.starts.len() - 1 {
                 self.scaled[self.starts[row + 1] - 1] = -tau;
             }
@@ -235,7 +233,6 @@ impl Sparse {
                 return count;
             }
         }
-        self.tau = REGULARIZED[0];
         None
     }
 

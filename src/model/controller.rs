@@ -337,21 +337,27 @@ impl<'a> Compiler<'a> {
                     );
                     self.wrong(index, "expression", message, "one for each input that it drives");
                 }
-                let variables: Vec<&str> = labels.iter().map(String::as_str).chain(["t"]).collect();
-                let mut formulas = Vec::new();
-                for text in texts.iter().filter(|_| known) {
-                    match Formula::parse(text, &variables) {
-                        Ok(formula) => formulas.push(formula),
-                        Err(error) => {
-                            let message = format!("`{name}`: {}", error.in_words(text));
-                            let help = format!("it may use {}", variables.join(", "));
-                            self.wrong(index, "expression", message, help);
-                        }
-                    }
-                }
-                Some(ControlLaw::Expression(formulas))
+                let texts = if known { &texts[..] } else { &[] };
+                Some(ControlLaw::Expression(self.formulas(index, name, texts, labels)))
             }
         }
+    }
+
+    /// The formulas that can be read.
+    fn formulas(&mut self, index: usize, name: &str, texts: &[String], labels: &[String]) -> Vec<Formula> {
+        let variables: Vec<&str> = labels.iter().map(String::as_str).chain(["t"]).collect();
+        let mut formulas = Vec::new();
+        for text in texts {
+            match Formula::parse(text, &variables) {
+                Ok(formula) => formulas.push(formula),
+                Err(error) => {
+                    let message = format!("`{name}`: {}", error.in_words(text));
+                    let help = format!("it may use {}", variables.join(", "));
+                    self.wrong(index, "expression", message, help);
+                }
+            }
+        }
+        formulas
     }
 }
 

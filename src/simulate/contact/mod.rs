@@ -331,7 +331,7 @@ impl Contacts {
     /// What bears in the last place.
     pub(super) fn pushes(&self, out: &mut Vec<ContactPush>) {
         out.clear();
-        self.each_push(&mut |couple, meeting, force, slips| {
+        self.each_push(|couple, meeting, force, slips| {
             out.push(ContactPush {
                 between: self.between(couple),
                 point: meeting.point.into(),
@@ -346,11 +346,11 @@ impl Contacts {
     pub(super) fn by_rule(&self, out: &mut Vec<Vector3<f64>>) {
         out.clear();
         out.resize(self.model.contacts.len(), Vector3::zeros());
-        self.each_push(&mut |couple, _, force, _| out[self.pairs.couples[couple].rule] += force);
+        self.each_push(|couple, _, force, _| out[self.pairs.couples[couple].rule] += force);
     }
 
     /// Couple, place and force of what bears in the last place, and whether it slips.
-    fn each_push(&self, push: &mut dyn FnMut(usize, &Meeting, Vector3<f64>, bool)) {
+    fn each_push(&self, mut push: impl FnMut(usize, &Meeting, Vector3<f64>, bool)) {
         if !self.follows_steps() {
             for one in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
                 push(one.key.couple, &one.meeting, one.force, matches!(one.state, ContactState::Slip(_)));

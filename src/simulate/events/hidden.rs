@@ -124,7 +124,8 @@ impl Hidden {
         let h = right.time - left.time;
         values.clear();
         rates.clear();
-        (values.push(left.time + s * h), rates.push(1.0));
+        values.push(left.time + s * h);
+        rates.push(1.0);
         for k in 0..left.values.len() {
             let (a, whole) = (left.values[k], right.values[k] - left.values[k]);
             let bend = |rate: f64| if rate.is_nan() { 0.0 } else { h * rate - whole };

@@ -50,7 +50,11 @@ fn mistakes_are_told_with_a_hint() {
         ("name = \"x\"\ntype = \"position\"\nof = \"arm.tip\"\nin = \"bdy\"", "in", "body"),
         ("name = \"x\"\ntype = \"force\"\nof = \"sty\"", "is called `sty`", "did you mean `stay`?"),
         ("name = \"x\"\ntype = \"force\"\nof = \"arm\"", "has no stops", "reaction"),
-        ("name = \"x\"\ntype = \"force\"\nof = \"stay\"\ncomponent = \"fx\"", "has no components", "bushings, loads, contacts"),
+        (
+            "name = \"x\"\ntype = \"force\"\nof = \"stay\"\ncomponent = \"fx\"",
+            "has no components",
+            "bushings, loads, contacts",
+        ),
         ("name = \"x\"\ntype = \"length\"\nof = \"push\"", "`push` has no length", "springs"),
         ("name = \"x\"\ntype = \"coordinate\"\nof = \"amr\"", "no hinge coordinate `amr`", "did you mean `arm`?"),
         ("name = \"x\"\ntype = \"coordinate\"\nof = \"arm.angel\"", "has no coordinate `angel`", "`arm.angle`"),
