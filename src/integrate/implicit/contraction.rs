@@ -10,8 +10,6 @@ use crate::integrate::step::error::Limit;
 /// A change of this size is given up: the contraction cannot be so poor at the first look that a thousandfold growth
 /// is followed by convergence.
 const HOPELESS: f64 = 1e3;
-/// A contraction that is poorer is none: what an iteration that stalled has left is as large as its last changes.
-const POOREST: f64 = 0.5;
 
 /// How exact an iteration has to be, in tolerances of a step.
 #[derive(Debug, Clone, Copy)]
@@ -85,12 +83,6 @@ impl Iteration {
     pub(crate) fn left(&self, contraction: f64) -> f64 {
         let to_go = self.before[0].map_or(0.0, |size| (self.accuracy.left / size).ln());
         if contraction < 1.0 { (to_go / contraction.ln()).max(0.0) } else { f64::INFINITY }
-    }
-
-    /// The error that the iteration has left, in tolerances of a step: about what its last change and the contraction seen say.
-    pub(crate) fn error(&self) -> f64 {
-        let ([size, _], contraction) = (self.before, self.contraction.clamp(0.0, POOREST));
-        size.map_or(0.0, |size| contraction / (1.0 - contraction) * size)
     }
 
     /// The error left after a change of this size.

@@ -93,8 +93,6 @@ pub(crate) struct Stages {
     correction: Vec<f64>,
     acceleration: Vec<f64>,
     accuracy: Accuracy,
-    /// What the iteration of the last step solved has left of its error, in tolerances.
-    pub(crate) left: f64,
     tangent: TangentCache,
     /// The best contraction with a new tangent.
     best: f64,
@@ -140,7 +138,6 @@ impl Stages {
             correction: acceleration.clone(),
             acceleration,
             accuracy,
-            left: 0.0,
             tangent: TangentCache::default(),
             best: 1.0,
             renewals: 0,
@@ -192,7 +189,6 @@ impl Stages {
                 self.tangent.doubt();
             }
             if done {
-                self.left = iteration.error();
                 return require_finite(&self.states[s - 1], problem.position_count());
             }
         }

@@ -21,7 +21,7 @@ fn told_and_true(method: Method, tolerance: f64, random: &mut Random) -> (f64, f
 
 #[test]
 fn the_sum_of_the_errors_bounds_the_error_and_is_within_a_factor_of_a_hundred() {
-    let methods = [Method::Dop853, Method::Dopri5, Method::Radau5, Method::Radau9, Method::Adams];
+    let methods = [Method::Dop853, Method::Dopri5, Method::Radau5, Method::Adams];
     for seed in 0..3 {
         for method in methods {
             for tolerance in [1e-6, 1e-8, 1e-10] {
