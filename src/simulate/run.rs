@@ -102,7 +102,7 @@ pub struct Summary {
     pub capture_steps: usize,
     /// Number of samples handed to the recorder.
     pub samples: usize,
-    /// Time spent in steps (s).
+    /// Time spent in steps and in what happens between them (s).
     pub wall: Duration,
 }
 
