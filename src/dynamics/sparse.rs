@@ -73,8 +73,9 @@ pub(super) struct Sparse {
     negatives: Option<usize>,
     /// What a dense factorization has counted where they were asked for; empty before that.
     at_last: OnceCell<Option<usize>>,
-    /// Refinements that a solution takes.
+    /// Refinements that a solution takes; half of them if half the digits do.
     refinements: usize,
+    is_rough: bool,
     rhs: Vec<f64>,
     x: Vec<f64>,
     residual: Vec<f64>,
@@ -103,6 +104,7 @@ impl Sparse {
             negatives: None,
             at_last: OnceCell::new(),
             refinements: 0,
+            is_rough: false,
             rhs: zeros(),
             x: zeros(),
             residual: zeros(),
@@ -354,6 +356,11 @@ impl Sparse {
         self.solve_with_rows(x, &[]);
     }
 
+    /// Whether half the digits do.
+    pub(super) fn be_rough(&mut self, rough: bool) {
+        self.is_rough = rough;
+    }
+
     /// Eq. (1) with `s` in place of the zeros on the right; empty for zeros.
     pub(super) fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {
         let n = x.len();
@@ -369,7 +376,7 @@ impl Sparse {
         self.rhs.iter_mut().zip(&self.scales).for_each(|(b, scale)| *b *= scale);
         self.x.copy_from_slice(&self.rhs);
         self.cholesky.solve(&mut self.x);
-        for _ in 0..self.refinements {
+        for _ in 0..if self.is_rough { self.refinements.div_ceil(2) } else { self.refinements } {
             self.multiply();
             self.residual.iter_mut().zip(&self.rhs).for_each(|(r, b)| *r = b - *r);
             self.cholesky.solve(&mut self.residual);

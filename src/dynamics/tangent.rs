@@ -162,6 +162,13 @@ impl TangentSolver {
         }
     }
 
+    /// Whether solutions by a sparse matrix are refined to half their digits alone.
+    pub fn be_rough(&mut self, rough: bool) {
+        if let Some(sparse) = &mut self.sparse {
+            sparse.be_rough(rough);
+        }
+    }
+
     /// `[T Gᵀ; G 0] [x; λ] = [x; s]` with the rows `G` of `TangentSolver::set_rows` and `s` for each of them; not numbers of a
     /// tangent that is no sparse matrix.
     pub fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {

@@ -101,6 +101,11 @@ impl Bordered {
         self.solver.is_written()
     }
 
+    /// Whether solutions take half their digits, where each of them costs.
+    pub(in crate::statics) fn be_rough(&mut self, rough: bool) {
+        self.solver.be_rough(rough);
+    }
+
     pub(in crate::statics) fn into_solver(self) -> Box<TangentSolver> {
         self.solver
     }

@@ -293,6 +293,11 @@ impl<'s> Landscape<'s> {
         self.ties.is_none() && self.stiffness.is_sparse()
     }
 
+    /// Whether the stiffness is written down as a sparse matrix, beside loops, too.
+    pub(in crate::statics) fn is_written(&self) -> bool {
+        self.stiffness.is_sparse()
+    }
+
     /// The sparse solver, and whether it has the stiffness at `q`; whoever looks again makes another.
     pub(in crate::statics) fn take_solver(&mut self, q: &[f64]) -> Option<Looked> {
         let here = self.is_sparse() && self.looked == q && self.conservative;
@@ -335,6 +340,11 @@ impl<'s> Landscape<'s> {
     /// Solves with the last factorization.
     pub(in crate::statics) fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
         self.stiffness.solve(rhs)
+    }
+
+    /// [`Landscape::solve`] to half the digits where each of them costs: for what is only a step on a way.
+    pub(in crate::statics) fn solve_roughly(&mut self, rhs: &[f64]) -> Vec<f64> {
+        self.stiffness.solve_roughly(rhs)
     }
 
     /// `K x = rhs` at the place last looked at, definite or not; `None` where K is singular.

@@ -177,6 +177,15 @@ impl Stiffness {
         }
     }
 
+    /// [`Stiffness::solve`] to half the digits where each of them costs.
+    pub(in crate::statics) fn solve_roughly(&mut self, rhs: &[f64]) -> Vec<f64> {
+        let Self::Bordered(bordered) = self else { return self.solve(rhs) };
+        bordered.be_rough(true);
+        let x = bordered.solve(rhs);
+        bordered.be_rough(false);
+        x
+    }
+
     /// The damped step of Levenberg and Marquardt, `(Kᵀ B⁻¹ K + λ B) x = Kᵀ B⁻¹ f`, λ being `part` of the largest
     /// curvature. Needs matrices; `matrix` is the one of a sweep.
     pub(in crate::statics) fn levenberg(

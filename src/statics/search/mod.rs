@@ -15,6 +15,7 @@ pub(super) mod curve;
 mod floating;
 mod free;
 pub(super) mod illinois;
+mod krylov;
 mod newton;
 mod polish;
 mod progress;

@@ -11,8 +11,9 @@
 //! without force where K has negative directions (a saddle, a dead centre) the search leaves along
 //! one of them.
 //!
-//! **Sparse tangents** take far longer to factorize than the forces to evaluate. There Newton's step, as long as `K` is definite,
-//! is cut to the region instead: further trials of it take no factorization.
+//! **Sparse tangents** take far longer to factorize than to solve with, and than the forces to evaluate. There Newton's step, as long as
+//! `K` is definite, is cut to the region instead, and what needs a shift is found in a space of solutions with one factorization
+//! ([`Krylov`]): further trials of either take no factorization.
 //!
 //! **Rigid limits** bound the coordinates of a tree. The active set is chosen at every place (see
 //! [`crate::statics::problem`]), the step is that of the free coordinates, a coordinate at its limit that the step would push
@@ -20,6 +21,7 @@
 //! enough it goes along the projected gradient, so that the potential falls. Among loops and gears the search halts at the
 //! first limit on its way instead (see [`super::active`]).
 
+use super::krylov::Krylov;
 use super::progress::Progress;
 use super::saddle::{NO_SIGN, WayOut, downhill, way_out};
 use crate::dynamics::Fault;
@@ -43,6 +45,11 @@ const BENT: usize = 40;
 const LOWEST: usize = 4;
 /// Part of a step over which its bend is differenced.
 const PART: f64 = 1e-2;
+/// Poles that are tried for the space of one step, and what the next one is larger by where nothing is known.
+const MOST_POLES: usize = 30;
+const NEXT_POLE: f64 = 10.0;
+/// How far a pole is above the lowest eigenvalue, as part of that.
+const ABOVE: f64 = 0.1;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
 /// A step is taken if the potential falls by this part of what the quadratic model says. With steps that are worth
@@ -79,6 +86,12 @@ struct Search<'l, 's> {
     bent: bool,
     /// Of a sparse tangent Newton's step from the place, found at the first trial there.
     newton: Newton,
+    /// Of a sparse tangent the space in which steps from the place are looked for, and whether the last factorization is that of its
+    /// pole.
+    krylov: Option<Krylov>,
+    is_at_pole: bool,
+    /// Of a sparse tangent the lowest eigenvalue at the last place where it was asked for.
+    lowest: f64,
     outcome: Outcome,
 }
 
@@ -103,6 +116,9 @@ pub(in crate::statics) fn run(
         shift: 0.0,
         bent: false,
         newton: Newton::Unknown,
+        krylov: None,
+        is_at_pole: false,
+        lowest: 0.0,
         outcome,
     };
     let mut travelled = 0.0;
@@ -190,10 +206,14 @@ impl Search<'_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         self.landscape.look(&self.outcome.place.q)?;
-        self.newton = Newton::Unknown;
+        (self.newton, self.krylov) = (Newton::Unknown, None);
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
         while self.radius > smallest {
-            let Some(trial) = self.cut_newton().or_else(|| self.within_radius()) else {
+            let trial = match self.landscape.is_written() {
+                true => self.cut_newton().or_else(|| self.within_space()),
+                false => self.within_radius(),
+            };
+            let Some(trial) = trial else {
                 self.radius *= 0.25;
                 continue;
             };
@@ -203,7 +223,7 @@ impl Search<'_, '_> {
                 continue;
             }
             if self.hold_blocked(&trial.x)? {
-                self.newton = Newton::Unknown;
+                (self.newton, self.krylov) = (Newton::Unknown, None);
                 continue;
             }
             let halt = self.landscape.halted(&self.outcome.place.q, &trial.x);
@@ -240,10 +260,11 @@ impl Search<'_, '_> {
 
     /// Newton's step of a sparse tangent, cut to the region if the stiffness is definite and that leaves enough of it.
     fn cut_newton(&mut self) -> Option<Trial> {
-        if !self.landscape.is_sparse() || self.shift != 0.0 {
+        if self.shift != 0.0 {
             return None;
         }
         if matches!(self.newton, Newton::Unknown) {
+            self.is_at_pole = false;
             self.newton = match self.landscape.factorize(0.0) {
                 true => {
                     let x = self.landscape.solve(&self.outcome.place.force);
@@ -349,6 +370,7 @@ impl Search<'_, '_> {
     fn back(&mut self, trial: &Trial, x: &[f64], q: &[f64]) -> Option<Lower> {
         let force = self.landscape.force(q).ok()?;
         self.landscape.look(q).ok()?;
+        self.is_at_pole = false;
         if !self.landscape.factorize(trial.shift) {
             return None;
         }
@@ -366,6 +388,7 @@ impl Search<'_, '_> {
     fn along_parabola(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, Lower)>, Fault> {
         let from = self.outcome.place.q.clone();
         self.landscape.look(&from)?;
+        self.is_at_pole = false;
         if !self.landscape.factorize(trial.shift) {
             return Ok(None);
         }
@@ -392,6 +415,77 @@ impl Search<'_, '_> {
         potential.is_finite().then_some(Lower { q, potential })
     }
 
+    /// The step of the trust region in a space of solutions with one factorization. Its pole is the last shift, or above the lowest
+    /// eigenvalue of the place before; one that turns out too low is raised, one too far from `σ` is put there.
+    fn within_space(&mut self) -> Option<Trial> {
+        let (metric, radius) = (self.landscape.metric.clone(), self.radius);
+        let force = self.outcome.place.force.clone();
+        let typical = force.iter().zip(&metric).map(|(f, b)| f * (f / b)).sum::<f64>().sqrt() / radius;
+        let mut pole = self.shift.max((1.0 + ABOVE) * -self.lowest);
+        // What is known to be too low, and to be high enough.
+        let (mut low, mut high) = (0.0_f64, f64::INFINITY);
+        for _ in 0..MOST_POLES {
+            if let Some(krylov) = &self.krylov {
+                high = high.min(krylov.pole());
+            } else {
+                let is_regular = self.landscape.factorize(pole);
+                self.is_at_pole = is_regular;
+                self.krylov = if is_regular { self.space_of(pole, &force, &metric) } else { None };
+                if self.krylov.is_none() {
+                    low = low.max(pole);
+                    pole = match high.is_finite() {
+                        true => (low.max(1e-6 * high) * high).sqrt(),
+                        false => (NEXT_POLE * low).max(1e-3 * typical),
+                    };
+                    continue;
+                }
+                high = high.min(pole);
+            }
+            let (shift, lowest, step) = self.settle(&metric, radius)?;
+            self.lowest = lowest;
+            if let Some(x) = step {
+                let size = self.landscape.size(&x);
+                self.shift = shift;
+                return Some(Trial { x, size, shift, part: 1.0 }).filter(|trial| trial.size.is_finite());
+            }
+            self.krylov = None;
+            pole = shift.max(low + ABOVE * (shift - low)).max((1.0 + ABOVE) * -lowest);
+            if pole <= low {
+                pole = (low.max(1e-6 * high) * high).sqrt();
+            }
+        }
+        None
+    }
+
+    /// The space of the stiffness that was factorized with a shift.
+    fn space_of(&mut self, pole: f64, force: &[f64], metric: &[f64]) -> Option<Krylov> {
+        let some = |(i, b): (usize, &f64)| b.sqrt() * (0.5 + (i as f64 * 1.618_033_988_75).fract());
+        let other: Vec<f64> = metric.iter().enumerate().map(some).collect();
+        let (first, other) = (self.landscape.solve_roughly(force), self.landscape.solve_roughly(&other));
+        Krylov::new(pole, metric, first, &other)
+    }
+
+    /// Lets the space grow until the step is settled: `σ`, the lowest eigenvalue, and the step, if it is.
+    fn settle(&mut self, metric: &[f64], radius: f64) -> Option<(f64, f64, Option<Vec<f64>>)> {
+        let mut krylov = self.krylov.take()?;
+        let mut found = if krylov.is_empty() { None } else { krylov.within(radius) };
+        while found.as_ref().is_none_or(|(within, _)| !within.is_settled) && krylov.grows() {
+            if !self.is_at_pole {
+                self.is_at_pole = self.landscape.factorize(krylov.pole());
+                if !self.is_at_pole {
+                    return None;
+                }
+            }
+            let next = self.landscape.solve_roughly(&krylov.last(metric));
+            krylov.grow(metric, next);
+            found = krylov.within(radius);
+        }
+        let (within, y) = found?;
+        let step = within.is_settled.then(|| krylov.step(&y));
+        self.krylov = Some(krylov);
+        Some((within.shift, within.lowest, step))
+    }
+
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
     fn within_radius(&mut self) -> Option<Trial> {
         let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
@@ -402,8 +496,7 @@ impl Search<'_, '_> {
             true => (low.max(1e-6 * high) * high).sqrt(),
             false => (4.0 * low).max(1e-3 * typical),
         };
-        let is_indefinite = self.shift == 0.0 && matches!(self.newton, Newton::None);
-        let mut shift = if is_indefinite { between(low, high) } else { self.shift };
+        let mut shift = self.shift;
         let mut best = None;
         for _ in 0..MOST_SHIFTS {
             least = least.min(shift);
