@@ -32,6 +32,8 @@ const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-11;
 const MOST_DAMPING: f64 = 1e6;
 const MOST_STEPS: usize = 300;
+/// A step that leaves less than this part of a gap is followed by another one with the same matrix (the simplified Newton method).
+const SAME_MATRIX: f64 = 0.1;
 /// A short way back in the metric of the inertia takes a handful of steps. With more of them a light body that cannot close the
 /// gap by itself swings to and fro while a heavy one hardly moves: all coordinates are bent then.
 const SHORT_WAY: usize = 30;
@@ -183,7 +185,7 @@ impl Closing {
         let mut damping = damped(FIRST_DAMPING, gap);
         let mut size = self.squares();
         let mut trial = q.to_vec();
-        let mut exhausted = true;
+        let (mut exhausted, mut keeps) = (true, false);
         for _ in 0..most {
             if gap <= ROUND_OFF {
                 exhausted = false;
@@ -196,7 +198,7 @@ impl Closing {
                     self.rows.factorize(model, &self.motion, &self.reduction, damping);
                     self.push(model, Rate::Gap);
                 }
-                Metric::Coordinates => self.bend(model, damping),
+                Metric::Coordinates => self.bend(model, damping, keeps),
             }
             self.shorten();
             trial.copy_from_slice(q);
@@ -205,6 +207,7 @@ impl Closing {
             if new_size < size {
                 // The residual is round-off once it no longer halves with almost no damping.
                 let stalled = damping <= LEAST_DAMPING && new_size > 0.25 * size;
+                keeps = new_size < SAME_MATRIX * SAME_MATRIX * size;
                 (gap, size) = (wider, new_size);
                 q.copy_from_slice(&trial);
                 damping = damped(0.1 * damping, gap);
@@ -212,6 +215,8 @@ impl Closing {
                     exhausted = false;
                     break;
                 }
+            } else if std::mem::replace(&mut keeps, false) {
+                // The matrix of another place does not do any more.
             } else {
                 damping *= 10.0;
                 if damping > MOST_DAMPING || gap < 1e-13 {
@@ -272,15 +277,17 @@ impl Closing {
         self.reduction.solve(model, &self.motion, &load, &mut self.step);
     }
 
-    /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
-    fn bend(&mut self, model: &Model, damping: f64) {
+    /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps; `B Bᵀ` the last one if it `keeps`.
+    fn bend(&mut self, model: &Model, damping: f64, keeps: bool) {
         let (weights, rows) = self.equal_rows(model);
         let mut gaps = vec![0.0; self.rows.rank()];
         self.rows.rates(&self.motion, Rate::Gap, &mut gaps);
         gaps.iter_mut().zip(&weights).for_each(|(gap, weight)| *gap *= -weight);
         self.step.fill(0.0);
         // Rows that are all nothing give no step.
-        self.gram = Gram::damped(&rows, &vec![1.0; self.step.len()], damping, self.gram.as_ref());
+        if !keeps {
+            self.gram = Gram::damped(&rows, &vec![1.0; self.step.len()], damping, self.gram.as_ref());
+        }
         let Some(gram) = &self.gram else { return };
         gram.solve(&mut gaps);
         rows.add_transposed(1.0, &gaps, &mut self.step);

@@ -51,6 +51,7 @@ use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use crate::transfer::reduce::parts;
+use crate::transfer::tangent::Pull;
 pub use assembly::{Assembly, assemble, closed};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
@@ -479,6 +480,30 @@ impl Constraints {
                 clear_interfaces(model, way, passed);
             }
         }
+    }
+
+    /// What a unit multiplier of each row solved for pulls at, as placed last.
+    pub(crate) fn pulls(&self) -> Vec<Pull> {
+        let mut pulls = Vec::with_capacity(self.rank());
+        for group in &self.plan.groups {
+            let element = &self.elements[group.element];
+            for row in &group.rows {
+                let mut pull = Pull::default();
+                match (&self.rules[*row], &element.ends) {
+                    (Rule::Motion { parts }, _) => {
+                        let parts = parts.iter().filter(|part| part.1 != 0.0);
+                        pull.coordinates.extend(parts.map(|(scalar, factor)| (scalar.velocity, *factor)));
+                    }
+                    (_, Some(ends)) => {
+                        let wrenches = ends.iter().zip(self.placed[*row].wrenches);
+                        pull.links.extend(wrenches.filter(|(end, _)| end.link != 0).map(|(end, w)| (end.link, w)));
+                    }
+                    (_, None) => {}
+                }
+                pulls.push(pull);
+            }
+        }
+        pulls
     }
 
     /// Which element a row belongs to.

@@ -8,6 +8,7 @@ use crate::motion::{Motion, displace};
 use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
 use crate::transfer::reduce::Load;
+use crate::transfer::tangent::Pull;
 use faer::Mat;
 
 /// Rounds of a projection: the gap of an accepted step is small, two rounds are the rule.
@@ -311,6 +312,12 @@ impl Evaluated<'_> {
         let Some(constrained) = &mut self.system.constraints else { return SparseRows::default() };
         constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);
         constrained.rows.sparse_rows(&self.system.model, &self.system.motion)
+    }
+
+    /// [`Evaluated::constraint_rows`], and what each of them pulls at.
+    pub fn constraint_rows_and_pulls(&mut self) -> (SparseRows, Vec<Pull>) {
+        let rows = self.constraint_rows();
+        (rows, self.system.constraints.as_ref().map_or_else(Vec::new, |constrained| constrained.rows.pulls()))
     }
 
     /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops

@@ -28,6 +28,7 @@ mod reach;
 mod reactions;
 mod sparse;
 mod tangent;
+mod twists;
 
 pub(crate) use beams::LockedStrain;
 pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};

@@ -20,10 +20,15 @@
 //! above 1: refinement then diverges. A refinement that contracts so says that the count holds. One direction alone in which it diverges is a
 //! small part of a vector at first: rounds are made until less is left than that part would have become.
 
+use super::twists::{ByTwists, Said};
 use crate::model::Model;
+use crate::motion::Motion;
 use crate::sparse::{Cholesky, General, SparseRows, times};
-use crate::transfer::tangent::{Applied, At, Pair, TangentMatrix};
+use crate::spatial::Wrench;
+use crate::transfer::balance::Balance;
+use crate::transfer::tangent::{Applied, At, Pair, Pull, TangentMatrix};
 use faer::{Mat, Side};
+use nalgebra::Matrix3;
 use std::cell::OnceCell;
 
 /// A refinement contracts by this at least, or the count of negative pivots does not hold.
@@ -43,6 +48,11 @@ const MOST_AT_LAST: usize = 5000;
 /// `τ` of eq. (1), tried in this order. It is a compliance of the rows that adds up along chains of loops, where it has to be
 /// smaller; entries grow by `1/τ`, and where bodies are light it has to be larger.
 const REGULARIZED: [f64; 3] = [1e-9, 1e-11, 1e-7];
+/// A matrix with fewer entries than this in a column is that of a shallow tree, which has nothing to gain from twists.
+const SHALLOW: usize = 16;
+/// Twists may take this part of the operations that hinge coordinates take: they are refined; and beside rows this multiple of them.
+const DEEPER: f64 = 0.5;
+const SAFER: f64 = 4.0;
 /// Sweeps of the equilibration: each halves the logarithm of how far the largest entry of a row is from one.
 const SWEEPS: usize = 5;
 
@@ -76,9 +86,52 @@ pub(super) struct Sparse {
     /// Refinements that a solution takes; half of them if half the digits do.
     refinements: usize,
     is_rough: bool,
+    /// The links' motions as unknowns, where that is the better matrix; where the tangent is that it was assembled at, and whether
+    /// the other matrix has been written down there.
+    twists: Option<Box<ByTwists>>,
+    place: Option<Box<Place>>,
+    is_written: bool,
+    by_twists: bool,
+    /// Whether twists have been thought of for these rows.
+    is_chosen: bool,
+    pairs: Vec<Pair>,
+    pulls: Vec<Pull>,
     rhs: Vec<f64>,
     x: Vec<f64>,
     residual: Vec<f64>,
+}
+
+/// A place with what a tangent there needs, while the system moves on.
+#[derive(Debug, Clone)]
+struct Place {
+    motion: Motion,
+    balance: Balance,
+    hinge: Vec<f64>,
+    c2: f64,
+    diagonal: Vec<f64>,
+    applied: Vec<(usize, Applied)>,
+    wrenches: Vec<Wrench>,
+    ball_springs: Vec<(usize, Matrix3<f64>)>,
+}
+
+impl Place {
+    fn of(at: &At<'_>) -> Self {
+        Self {
+            motion: at.motion.clone(),
+            balance: at.balance.clone(),
+            hinge: at.hinge.to_vec(),
+            c2: at.c2,
+            diagonal: at.diagonal.to_vec(),
+            applied: at.applied.to_vec(),
+            wrenches: at.wrenches.to_vec(),
+            ball_springs: at.ball_springs.to_vec(),
+        }
+    }
+
+    fn at(&self) -> At<'_> {
+        let Self { motion, balance, hinge, c2, diagonal, applied, wrenches, ball_springs } = self;
+        At { motion, balance, hinge, c1: 0.0, c2: *c2, diagonal, applied, wrenches, coupled: &[], ball_springs }
+    }
 }
 
 impl Sparse {
@@ -105,6 +158,13 @@ impl Sparse {
             at_last: OnceCell::new(),
             refinements: 0,
             is_rough: false,
+            twists: None,
+            place: None,
+            is_written: true,
+            by_twists: false,
+            is_chosen: false,
+            pairs: pairs.to_vec(),
+            pulls: Vec::new(),
             rhs: zeros(),
             x: zeros(),
             residual: zeros(),
@@ -112,6 +172,19 @@ impl Sparse {
             indices,
             matrix,
         }
+    }
+
+    /// Takes the links' motions as unknowns if that is the better matrix: without rows the one with fewer operations, with rows, which
+    /// may be nearly dependent, also one with a few times as many.
+    fn choose_twists(&mut self, model: &Model) {
+        self.is_chosen = true;
+        let is_known = self.pulls.len() == self.rows.len();
+        if !is_known || self.indices.len() < SHALLOW * (self.starts.len() - 1) {
+            return;
+        }
+        let twists = ByTwists::new(model, &self.pairs, &self.rows, &self.pulls);
+        let most = self.cholesky.operations() * if self.pulls.is_empty() { DEEPER } else { SAFER };
+        self.twists = (twists.operations() <= most).then(|| Box::new(twists));
     }
 
     /// No link feels another.
@@ -125,10 +198,14 @@ impl Sparse {
     }
 
     /// Holds what these rows hold from the next factorization on.
-    pub(super) fn set_rows(&mut self, rows: &SparseRows) {
+    pub(super) fn set_rows(&mut self, rows: &SparseRows, pulls: &[Pull]) {
         let same = self.rows.starts == rows.starts && self.rows.columns == rows.columns;
         self.rows.clone_from(rows);
+        self.pulls = pulls.to_vec();
         if same {
+            if let Some(twists) = &mut self.twists {
+                twists.set_rows(rows, pulls);
+            }
             return;
         }
         let n = self.held.len();
@@ -150,12 +227,39 @@ impl Sparse {
         }
         self.scales = vec![1.0; if rows.is_empty() { 0 } else { whole }];
         self.scaled = vec![0.0; if rows.is_empty() { 0 } else { self.indices.len() }];
+        (self.twists, self.is_chosen) = (None, false);
     }
 
     /// Writes the tangent down, its symmetric part alone if that is wanted; `at.diagonal` is finite.
     pub(super) fn assemble(&mut self, model: &Model, at: &At<'_>, symmetric: bool) {
+        let is_still = at.motion.still && at.c1 == 0.0 && at.hinge.iter().all(|a| *a == 0.0);
+        if symmetric && is_still && !self.is_chosen {
+            self.choose_twists(model);
+        }
+        if let Some(twists) = self.twists.as_mut().filter(|_| symmetric && is_still) {
+            twists.assemble(model, at, &self.felt);
+            self.place = Some(Box::new(Place::of(at)));
+            (self.is_written, self.symmetric) = (false, true);
+            return;
+        }
+        (self.place, self.is_written) = (None, true);
         self.matrix.assemble(model, at, &self.felt, symmetric);
         self.symmetric = symmetric || self.is_mirrored();
+    }
+
+    /// Writes down in hinge coordinates what twists were assembled for.
+    fn write_down(&mut self, model: &Model) {
+        if let Some(place) = self.place.as_ref().filter(|_| !self.is_written) {
+            self.matrix.assemble(model, &place.at(), &self.felt, true);
+            self.is_written = true;
+        }
+    }
+
+    /// What the links' motions say of the place with a shift; nothing where they are not looked at.
+    fn factorize_twists(&mut self, shift: &[f64]) -> Said {
+        let (Some(twists), Some(place)) = (&mut self.twists, &self.place) else { return Said::Nothing };
+        self.held.iter_mut().zip(shift).for_each(|(held, shift)| *held = shift.is_infinite());
+        twists.factorize(|j| place.diagonal[j] + shift.get(j).copied().unwrap_or(0.0))
     }
 
     /// Whether the entries below the diagonal are those above it.
@@ -172,10 +276,20 @@ impl Sparse {
 
     /// Factorizes with `shift` added to the diagonal, infinite for a coordinate that is held; empty for nothing. False if
     /// that is singular, or not definite on what the rows leave and that is wanted.
-    pub(super) fn factorize(&mut self, shift: &[f64], definite: bool) -> bool {
-        self.fill(shift);
-        (self.negatives, self.refinements, self.by_pivoting) = (None, 0, false);
+    pub(super) fn factorize(&mut self, model: &Model, shift: &[f64], definite: bool) -> bool {
+        (self.negatives, self.refinements, self.by_pivoting, self.by_twists) = (None, 0, false, false);
         self.at_last = OnceCell::new();
+        match self.factorize_twists(shift) {
+            Said::Definite => {
+                (self.negatives, self.by_twists) = (Some(0), true);
+                return true;
+            }
+            // Hinges that give are softer: without a shift, which makes up for it, the other matrix has the word.
+            Said::NotDefinite if definite && shift.iter().any(|by| by.is_finite() && *by != 0.0) => return false,
+            Said::NotDefinite | Said::Nothing => {}
+        }
+        self.write_down(model);
+        self.fill(shift);
         if !self.symmetric {
             return self.factorize_by_pivoting();
         }
@@ -356,6 +470,11 @@ impl Sparse {
         self.solve_with_rows(x, &[]);
     }
 
+    /// Whether twists were factorized last.
+    pub(super) fn is_by_twists(&self) -> bool {
+        self.by_twists
+    }
+
     /// Whether half the digits do.
     pub(super) fn be_rough(&mut self, rough: bool) {
         self.is_rough = rough;
@@ -365,6 +484,9 @@ impl Sparse {
     pub(super) fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {
         let n = x.len();
         x.iter_mut().zip(&self.held).filter(|(_, held)| **held).for_each(|(x, _)| *x = 0.0);
+        if let Some(twists) = self.twists.as_mut().filter(|_| self.by_twists) {
+            return twists.solve_with_rows(x, s, self.is_rough);
+        }
         self.rhs[..n].copy_from_slice(x);
         self.rhs[n..].fill(0.0);
         self.rhs[n..].iter_mut().zip(s).for_each(|(rhs, s)| *rhs = *s);

@@ -12,7 +12,7 @@ use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
-use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Tangent};
+use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Pull, Tangent};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -162,6 +162,11 @@ impl TangentSolver {
         }
     }
 
+    /// Whether the last factorization was that of the sparse matrix with the links' motions among its unknowns.
+    pub fn is_by_twists(&self) -> bool {
+        self.sparse.as_ref().is_some_and(|sparse| sparse.is_by_twists())
+    }
+
     /// Whether solutions by a sparse matrix are refined to half their digits alone.
     pub fn be_rough(&mut self, rough: bool) {
         if let Some(sparse) = &mut self.sparse {
@@ -184,10 +189,11 @@ impl TangentSolver {
     }
 
     /// Holds what these rows hold from the next factorization on: then solutions are those along the motions that they
-    /// leave, and negative eigenvalues those of these motions. Only of a tangent that is a sparse matrix.
-    pub fn set_rows(&mut self, rows: &SparseRows) {
+    /// leave, and negative eigenvalues those of these motions. Only of a tangent that is a sparse matrix. `pulls` say the same of the links;
+    /// none where that is not known.
+    pub fn set_rows(&mut self, rows: &SparseRows, pulls: &[Pull]) {
         if let Some(sparse) = &mut self.sparse {
-            sparse.set_rows(rows);
+            sparse.set_rows(rows, pulls);
         }
     }
 
@@ -391,7 +397,7 @@ impl System {
         with: &Coefficients<'_>,
     ) -> Result<(), Breakdown> {
         let regular = match (&mut solver.sparse, &mut solver.dense) {
-            (Some(sparse), _) => Some(sparse.factorize(with.shift, with.definite)),
+            (Some(sparse), _) => Some(sparse.factorize(&self.model, with.shift, with.definite)),
             (_, Some(dense)) => Some(dense.factorize(with.shift, with.definite)),
             _ => None,
         };

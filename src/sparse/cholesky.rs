@@ -66,6 +66,11 @@ impl Cholesky {
         }
     }
 
+    /// Operations of a factorization, about: the square of the entries of the factor over their columns.
+    pub(crate) fn operations(&self) -> f64 {
+        (self.values.len() as f64).powi(2) / (self.symbolic.nrows().max(1) as f64)
+    }
+
     /// Room for another matrix of the same pattern, whose order is not looked for again.
     pub(super) fn of_same_order(&self) -> Self {
         let (values, scratch) = (vec![0.0; self.values.len()], self.scratch.clone());

@@ -31,10 +31,12 @@ mod modal;
 mod parts;
 mod pivots;
 mod rod;
+mod twists;
 mod weight;
 
 pub use applied::{Applied, Column, Coupling};
 pub use matrix::{Pair, TangentMatrix};
+pub use twists::{Pull, Twists};
 
 use super::balance::Balance;
 use super::plan::{Kind, Place, To, plan};

@@ -1,5 +1,6 @@
 //! Scenes of many far springs: the sparse tangent against the dense one.
 
+mod deep;
 mod ladder;
 mod scenes;
 

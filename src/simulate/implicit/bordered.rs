@@ -137,7 +137,7 @@ impl Bordered {
                 self.border = None;
                 return self.factorize_with_rows(system, shift);
             }
-            self.tree.set_rows(&SparseRows::default());
+            self.tree.set_rows(&SparseRows::default(), &[]);
             self.sparse = Some(SparseRows::default());
         }
         self.factorize_bordered(system, shift)
@@ -149,7 +149,7 @@ impl Bordered {
         let with = Coefficients { c1: *c1, c2: *c2, shift, ..Coefficients::default() };
         let mut here = system.at(*time, q, v);
         let rows = here.constraint_rows().map(|_, _, entry| c2 * entry);
-        self.tree.set_rows(&rows);
+        self.tree.set_rows(&rows, &[]);
         self.sparse = Some(rows);
         let regular = here.factorize_tangent(&mut self.tree, a, &with)?;
         here.constraint_rates(a, &mut self.base)?;

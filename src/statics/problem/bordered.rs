@@ -174,13 +174,13 @@ impl Bordered {
 pub(in crate::statics) fn hold(solver: &mut TangentSolver, free: &[usize], rows: Across) -> Rows {
     match rows {
         Across::Full(rows) => {
-            solver.set_rows(&SparseRows::default());
+            solver.set_rows(&SparseRows::default(), &[]);
             Rows::new(rows)
         }
         Across::Sparse(held) => {
             let mut rows: SparseRows = held.rows().clone();
             rows.columns.iter_mut().for_each(|column| *column = free[*column]);
-            solver.set_rows(&rows);
+            solver.set_rows(&rows, held.pulls());
             Rows::new(Vec::new())
         }
     }

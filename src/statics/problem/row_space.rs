@@ -10,6 +10,7 @@
 //! [`super::split`], which has the general case by dense matrices.
 
 use crate::sparse::{Gram, SparseRows};
+use crate::transfer::tangent::Pull;
 
 /// Vectors of Hutchinson's estimate: its relative deviation is `√(2/8)`.
 const PROBES: usize = 8;
@@ -19,15 +20,22 @@ const PROBES: usize = 8;
 pub(in crate::statics) struct RowSpace {
     /// Over the free coordinates, of unit size in the metric.
     rows: SparseRows,
+    /// The same by what they pull at.
+    pulls: Vec<Pull>,
     gram: Gram,
 }
 
 impl RowSpace {
     /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision. The order of `like` is taken
     /// if its pattern is the same.
-    pub(super) fn of(rows: SparseRows, metric: &[f64], like: &Gram) -> Option<Self> {
+    pub(super) fn of(rows: SparseRows, pulls: Vec<Pull>, metric: &[f64], like: &Gram) -> Option<Self> {
         let weights: Vec<f64> = metric.iter().map(|b| 1.0 / b).collect();
-        Some(Self { gram: Gram::of_like(&rows, &weights, Some(like))?, rows })
+        Some(Self { gram: Gram::of_like(&rows, &weights, Some(like))?, rows, pulls })
+    }
+
+    /// What the rows pull at.
+    pub(in crate::statics) fn pulls(&self) -> &[Pull] {
+        &self.pulls
     }
 
     /// `A`.

@@ -16,6 +16,7 @@
 
 use super::row_space::RowSpace;
 use crate::sparse::{Gram, SparseRows};
+use crate::transfer::tangent::Pull;
 use faer::linalg::solvers::Qr;
 use faer::{Mat, Par};
 use std::sync::Arc;
@@ -275,6 +276,8 @@ pub(super) struct SparseGiven<'a> {
     pub(super) rows: SparseRows,
     /// These rows over turns and levers.
     pub(super) plain: SparseRows,
+    /// What the rows pull at, of the same size.
+    pub(super) pulls: Vec<Pull>,
     pub(super) force: &'a [f64],
     pub(super) metric: &'a [f64],
 }
@@ -282,7 +285,7 @@ pub(super) struct SparseGiven<'a> {
 /// Splits at a position where rows are independent by more than round-off, also compared with the largest of the smallest singular
 /// values `met` so far; else `None`. `before` are the motions of another position, if there are any.
 pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>, before: Option<&Motions>) -> Option<Split> {
-    let SparseGiven { rows, plain, force, metric } = given;
+    let SparseGiven { rows, plain, pulls, force, metric } = given;
     let ones = vec![1.0; metric.len()];
     let like = match before {
         Some(Motions::Sparse(space)) => Some(space.gram()),
@@ -295,7 +298,7 @@ pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>, before: Op
     if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
         return None;
     }
-    let space = RowSpace::of(rows, metric, &of_plain)?;
+    let space = RowSpace::of(rows, pulls, metric, &of_plain)?;
     let multipliers = space.multipliers(force, metric);
     let regular = met.map_or(least, |met| met.max(least));
     Some(Split { motions: Motions::Sparse(Arc::new(space)), multipliers, singular: false, regular })

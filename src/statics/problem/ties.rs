@@ -248,7 +248,7 @@ impl Landscape<'_> {
     /// The view of a position by sparse rows; `None` if they are not independent by more than round-off.
     fn sparse_view(&mut self, q: &[f64]) -> Result<Option<View>, Fault> {
         let (magnitudes, force) = self.unheld(q)?;
-        let of_rows = self.system.at(0.0, q, &self.steady).constraint_rows();
+        let (of_rows, mut pulls) = self.system.at(0.0, q, &self.steady).constraint_rows_and_pulls();
         let mut place = vec![usize::MAX; self.steady.len()];
         self.free.iter().enumerate().for_each(|(j, i)| place[*i] = j);
         let entries = |row: usize| of_rows.row(row).map(|(i, value)| (place[i], value));
@@ -260,7 +260,9 @@ impl Landscape<'_> {
         let sizes = row_sizes((0..all.len()).map(square).collect());
         let square = |row: usize| all.row(row).map(|(j, value)| (value / (of_row[row] * per[j])).powi(2)).sum();
         let plain = row_sizes((0..all.len()).map(square).collect());
+        pulls.iter_mut().zip(&sizes).for_each(|(pull, size)| pull.scale(1.0 / size));
         let given = SparseGiven {
+            pulls,
             rows: all.map(|row, _, value| value / sizes[row]),
             plain: all.map(|row, j, value| value / (per[j] * plain[row] * of_row[row])),
             force: &force,
