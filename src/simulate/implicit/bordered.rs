@@ -197,11 +197,11 @@ impl Bordered {
             return Ok(());
         }
         // One difference for both: the velocity moves with the position as within a stage, but never by more than its
-        // size.
+        // size. Along x of size 1: the quotient of the size and an x that has almost underflowed is infinite.
         let fastest = at.v.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
-        let size = DIFFERENCE * (fastest / at.c1.max(f64::MIN_POSITIVE)).min(1.0) / largest;
+        let size = DIFFERENCE * (fastest / at.c1.max(f64::MIN_POSITIVE)).min(1.0);
         position.copy_from_slice(&at.q);
-        velocity.iter_mut().zip(&*x).for_each(|(step, x)| *step = size * x);
+        velocity.iter_mut().zip(&*x).for_each(|(step, x)| *step = size * (x / largest));
         displace(system.model(), position, velocity);
         velocity.iter_mut().zip(&at.v).for_each(|(step, v)| *step = v + at.c1 * *step);
         system.at(at.time, position, velocity).constraint_rates(&at.a, rates)?;
@@ -214,7 +214,7 @@ impl Bordered {
                 (None, Some(rows)) => along(rows, i, x),
                 (None, None) => 0.0,
             };
-            *rate = (*rate - base[i]) / size + by_acceleration;
+            *rate = (*rate - base[i]) / size * largest + by_acceleration;
         }
         Ok(())
     }
