@@ -197,6 +197,15 @@ impl Motor {
         }
     }
 
+    /// Whether a formula says what it does over time.
+    pub fn is_formula(&self) -> bool {
+        match &self.law {
+            MotorLaw::Pd { target, .. } => target.is_formula(),
+            MotorLaw::Formula(_) => true,
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } => false,
+        }
+    }
+
     /// As [`Prescribed::longest_step`].
     pub fn longest_step(&self, run: f64) -> f64 {
         match &self.law {

@@ -150,6 +150,11 @@ impl Prescribed {
         }
     }
 
+    /// Whether it is a formula, which may do anything between two breaks.
+    pub fn is_formula(&self) -> bool {
+        matches!(self, Self::Formula(_))
+    }
+
     /// Whether its velocity is another one just before a time and at it, between which `before` and `at` lie (s): no ramp and no table
     /// jumps.
     pub fn jumps(&self, before: f64, at: f64) -> bool {

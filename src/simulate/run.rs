@@ -1,5 +1,6 @@
 //! The time loop of one structure.
 
+mod fine;
 mod instants;
 mod prepared;
 mod stepper;

@@ -51,7 +51,7 @@ impl Settings {
 /// Where a run ended, beside its state: what another run needs to go on as the first one would have.
 ///
 /// A method that takes its steps from a fixed grid and remembers nothing of the last one (`rk4`) goes on bit for bit, if the
-/// run did not end within a step. An adaptive one begins with the step that it would have taken; what it remembers of
+/// run did not end within a step, nor within something short that a formula does. An adaptive one begins with the step that it would have taken; what it remembers of
 /// earlier steps (their error, past accelerations, factorizations, and for implicit methods the guess of the next stages)
 /// is made anew.
 #[derive(Debug, Clone, Copy, PartialEq)]

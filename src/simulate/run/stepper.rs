@@ -33,7 +33,8 @@ impl Run<'_, '_> {
             let capture = Capture::new(motion, start, tolerance).map_err(|error| named(self.model, &error))?;
             return Ok(Box::new(capture));
         }
-        let fixed = fixed_step(self.model, settings, method);
+        let given = fixed_step(self.model, settings, method);
+        let fixed = given.map(|step| self.fine_step(motion, settings, time, step));
         let acted = self.control.as_ref().is_some_and(|control| control.acted(time));
         let begins = settings.resume.filter(|resume| resume.time == time);
         let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
@@ -43,7 +44,7 @@ impl Run<'_, '_> {
             duration: Some(settings.duration),
             step: fixed.or(carried).or(settings.step.filter(|_| begins.is_none())).or(resumed).or(settings.step),
             // Of controllers every instant begins a grid.
-            grid: begins.and(fixed).filter(|_| !acted).and_then(|step| resumed_grid(settings, step)),
+            grid: begins.and(fixed).filter(|_| !acted && fixed == given).and_then(|step| resumed_grid(settings, step)),
             rho_infinity: settings.rho_infinity,
             // A step that was asked for is kept.
             max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
