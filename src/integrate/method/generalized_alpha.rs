@@ -27,9 +27,17 @@
 //! ```
 //!
 //! with what the method would not resolve filtered out, `K w = c₂ M e`: the tangent of the step again, one solve each.
-//! A step is asked for its share `h/T` of the tolerance however short it is (`norm.rs`): the many steps of a method of low
-//! order add up, and with a smallest share a run at a tenth of the tolerance would only be a fifth as wrong.
-//! The first step knows two accelerations only, and takes their difference for the bend of the parabola.
+//! A step is asked for its share `h/T` of the tolerance (`norm.rs`): the many steps of a method of low order add up, and with a smallest
+//! share that is always the same a run at a tenth of the tolerance would only be a fifth as wrong. The smallest share is
+//!
+//! ```text
+//! (4)  0.003 √tolerance
+//! ```
+//!
+//! and no more, so that ordinary motion does not meet it: it has steps of `h/T = O(√tolerance)`. A pulse of width `w` does, whose share `w/T`
+//! asked for steps that are the shorter a part of it the shorter it is, `h/w = O(√(tolerance w/T))`. With (4) they are `O(√tolerance)` of
+//! it, as many for any width, and errors add up to a part of the tolerance that is the same whatever this is. Equal errors per step, not per
+//! time, are the least work.
 //!
 //! **Between the ends**: the Hermite cubic.
 //!
@@ -57,6 +65,8 @@ use crate::integrate::{
 const ESTIMATE_ORDER: u8 = 2;
 /// Newton may leave this part of the tolerance; at tolerances close to rounding it may stall earlier.
 const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contraction: 0.0 };
+/// The factor of (4).
+const SMALLEST_SHARE: f64 = 0.003;
 /// A step that would grow by less is kept, and with it the factorization.
 const HOLD_BELOW: f64 = 1.2;
 const MAX_ITERATIONS: u32 = 10;
@@ -120,7 +130,8 @@ impl GeneralizedAlpha {
     /// # Errors
     /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
-        let norm = ErrorNorm::shared(problem, options, &start, 0.0);
+        let smallest = SMALLEST_SHARE * options.relative.max(options.absolute).sqrt();
+        let norm = ErrorNorm::shared(problem, options, &start, smallest).without_floor();
         let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, ESTIMATE_ORDER)?;
         problem.reserve();
         let acceleration = rate[progress.position_count..].to_vec();

@@ -17,8 +17,8 @@
 //! and what the run ends with is about its tolerances, times what the motion itself makes of an error. The smallest share
 //! is the method's own (`1/300` of the explicit pairs): runs of more steps than that pay for the sum, but a short transient
 //! does not ask for digits that are lost again. Implicit methods ask for less: what they damp does not add up. No
-//! share takes a tolerance below [`FLOOR`], where estimates would be rounding and steps shrink for nothing; a method
-//! without a smallest share has no floor either, and steps so short that their rounding is small too. The estimate per share
+//! share takes a tolerance below [`FLOOR`], where estimates would be rounding and steps shrink for nothing; a method of low
+//! order has no floor, and steps so short that their rounding is small too. The estimate per share
 //! is one order lower: that changes no step by more than a few per cent, and the controller ignores it.
 //!
 //! Why the maximum and not the root mean square that is usual elsewhere: in a chain of a thousand links of which one
@@ -52,6 +52,8 @@ struct Shares {
     /// Of the run, in s.
     duration: f64,
     smallest: f64,
+    /// No tolerance of the run is taken below this, unless it is below.
+    floor: f64,
 }
 
 /// The norm of an error and the component that decides it.
@@ -74,15 +76,20 @@ impl ErrorNorm {
     /// A share of the run's tolerances for every step, at least `smallest` of them. Fixed steps have no share.
     pub(crate) fn shared<P: Problem>(problem: &P, options: &Options, start: &Start<'_>, smallest: f64) -> Self {
         let duration = options.duration.unwrap_or(start.end - start.time);
-        let shares = (!options.fixed).then_some(Shares { duration, smallest });
+        let shares = (!options.fixed).then_some(Shares { duration, smallest, floor: FLOOR });
         Self { shares, ..Self::new(problem, options.relative, options.absolute) }
+    }
+
+    /// Shares may take the tolerance below what rounding of ordinary steps is.
+    pub(crate) fn without_floor(mut self) -> Self {
+        self.shares.iter_mut().for_each(|shares| shares.floor = 0.0);
+        self
     }
 
     /// From here on the norm is that of a step of length `step`, in s.
     pub(crate) fn allow(&mut self, step: f64) {
-        let Some(Shares { duration, smallest }) = self.shares else { return };
+        let Some(Shares { duration, smallest, floor }) = self.shares else { return };
         let share = if step < duration { (step / duration).max(smallest) } else { 1.0 };
-        let floor = if smallest > 0.0 { FLOOR } else { 0.0 };
         self.local = self.whole.map(|whole| (share * whole).max(floor.min(whole)));
     }
 
@@ -162,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_step_has_its_share_between_the_smallest_and_the_whole() {
-        let mut norm = ErrorNorm { shares: Some(Shares { duration: 4.0, smallest: 0.01 }), ..norm() };
+        let mut norm = ErrorNorm { shares: Some(Shares { duration: 4.0, smallest: 0.01, floor: FLOOR }), ..norm() };
         let mut tolerance = |step: f64| {
             norm.allow(step);
             norm.local
@@ -174,7 +181,7 @@ mod tests {
 
     #[test]
     fn no_share_asks_for_less_than_rounding_but_the_run_may() {
-        let shares = Some(Shares { duration: 1.0, smallest: 0.01 });
+        let shares = Some(Shares { duration: 1.0, smallest: 0.01, floor: FLOOR });
         let mut norm = ErrorNorm { whole: [1e-12, 1e-15], shares, ..norm() };
         norm.allow(1e-3);
         assert_eq!(norm.local, [FLOOR, 1e-15]);

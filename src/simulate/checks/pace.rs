@@ -4,6 +4,9 @@
 const STEPS: u64 = 5_000;
 /// A run that would need more steps than this from here on is given up: days, of any scene.
 const MOST: f64 = 1e9;
+/// Short steps within something short that a formula of the time does are waited for if they are no more than this to its end: a pulse
+/// takes a method of order 2 some hundred thousand, however short it is.
+const MOST_WITHIN: f64 = 1e6;
 /// A run is given up after so many paces in a row at which its end is out of reach: a light body between heavy ones, as they pull it
 /// straight, takes some thousand steps within a nanosecond and goes on.
 const PASSAGE: u32 = 4;
@@ -14,6 +17,8 @@ pub(in crate::simulate) struct Pace {
     steps: u64,
     /// When they began (s).
     since: f64,
+    /// When formulas of the time begin to do something else (s).
+    until: Option<f64>,
     /// How often the end was out of reach, one after the other.
     slow: u32,
 }
@@ -30,7 +35,12 @@ pub(in crate::simulate) struct Creep {
 impl Pace {
     /// Of a run that starts at a time (s).
     pub(in crate::simulate) fn new(time: f64) -> Self {
-        Self { steps: 0, since: time, slow: 0 }
+        Self { steps: 0, since: time, until: None, slow: 0 }
+    }
+
+    /// What formulas of the time do now they do until then (s).
+    pub(in crate::simulate) fn until(self, until: Option<f64>) -> Self {
+        Self { until, ..self }
     }
 
     /// Looks at the time (s) a step has reached; tells where the `end` is out of reach.
@@ -41,8 +51,9 @@ impl Pace {
         }
         let step = (time - self.since) / STEPS as f64;
         let left = (end - time) / step;
-        let slow = if left > MOST { self.slow + 1 } else { 0 };
-        *self = Self { steps: 0, since: time, slow };
+        let ends = self.until.is_some_and(|until| (until - time) / step <= MOST_WITHIN);
+        let slow = if left > MOST && !ends { self.slow + 1 } else { 0 };
+        *self = Self { steps: 0, since: time, slow, ..*self };
         (slow >= PASSAGE).then_some(Creep { step, left })
     }
 }
@@ -122,6 +133,12 @@ mod tests {
         assert_eq!(creeps(1e-7), None);
         let creep = creeps(1e-9).expect("ten thousand million steps");
         assert!((creep.step / 1e-9 - 1.0).abs() < 1e-9 && (creep.left / 1e10 - 1.0).abs() < 1e-3, "{creep:?}");
+        // A pulse that ends in time, and one that does not.
+        let within = |until: f64| {
+            let mut pace = Pace::new(0.0).until(Some(until));
+            (1..=u64::from(2 * PASSAGE) * STEPS).find_map(|i| pace.see(i as f64 * 1e-12, 10.0))
+        };
+        assert_eq!((within(1e-7), within(1e-5).is_some()), (None, true));
         // Three times as many steps as a pace is taken over, within a nanosecond: a passage.
         let mut pace = Pace::new(0.0);
         let through = |i: u64| if i < 3 * STEPS { 1e-13 * i as f64 } else { 1e-4 * (i - 3 * STEPS) as f64 };

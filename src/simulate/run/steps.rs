@@ -43,7 +43,7 @@ impl Run<'_, '_> {
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
     ) -> Result<Ending, RunError> {
-        let mut pace = Pace::new(from);
+        let mut pace = Pace::new(from).until(self.timetable.formula_stretch(from).map(|[_, end]| end));
         let mut ending = Ending { time: from, transition: None, switches: false, captures: false, stopped: false };
         while !stepper.finished() && !ending.is_reached() {
             let hit = match self.step(motion, stepper) {
