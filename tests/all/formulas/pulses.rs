@@ -162,17 +162,84 @@ fn what_lies_on_a_stop_of_a_table_that_jumps_is_struck() {
 /// A corner that is rounded within microseconds is a corner to what is on the table.
 #[test]
 fn rounded_corners_of_drives_are_followed() {
-    let [explicit @ .., _, _] = METHODS;
-    let cases = [("sqrt((t-3.3)^2 + 1e-10)", 1.0, &METHODS[..]), ("0.001*exp(-((t-3.3)/1e-4)^2)", 0.0, &explicit[..])];
-    for (motion, slope, methods) in cases {
-        for method in methods.iter().copied() {
-            let model = read(&driven(motion, ""));
-            let summary = go(&model, DURATION, 1e-8, method);
+    let model = read(&driven("sqrt((t-3.3)^2 + 1e-10)", ""));
+    for method in METHODS {
+        let summary = go(&model, DURATION, 1e-8, method);
+        let [table, ball] = summary.state.velocity[..] else { panic!() };
+        assert!((table - 1.0).abs() < 1e-9, "{method:?}: {table}");
+        assert!((table + ball + 1.0).abs() < 1e-6, "{method:?}: {ball}");
+    }
+}
+
+/// A table that goes to and fro within a pulse of any width leaves the ball where it is, in runs of any duration; then steps grow again:
+/// what is left of the pulse is 10⁻¹⁰⁰ and less, no number to be divided by.
+#[test]
+fn steps_grow_again_after_a_pulse_of_a_drive() {
+    let mut random = Random::new(63);
+    let methods = [Method::Dopri5, Method::Dop853, Method::Sdirk4, Method::Radau5, Method::Radau9];
+    let given = [(7.0, 1e-4), (9.0, 1e-4)];
+    let more: Vec<_> =
+        (0..16).map(|_| (random.between(4.0, 10.0), 10.0_f64.powf(random.between(-6.0, -3.0)))).collect();
+    for (duration, width) in given.into_iter().chain(more) {
+        let model = read(&driven(&format!("0.001*exp(-((t-3.3)/{width:?})^2)"), ""));
+        for method in methods {
+            let summary = go(&model, duration, 1e-8, method);
+            let what = format!("{method:?}, {duration} s, {width:e} s");
             let [table, ball] = summary.state.velocity[..] else { panic!() };
-            let start = if slope == 0.0 { 0.0 } else { -1.0 };
-            assert!((table - slope).abs() < 1e-9, "{motion}, {method:?}: {table}");
-            // The table is as fast as 9 m/s on the way.
-            assert!((table + ball - start).abs() < 1e-6, "{motion}, {method:?}: {ball}");
+            // At its fastest the table has 0.86 mm per width.
+            let fastest = 0.86e-3 / width;
+            assert!(table.abs() < 1e-9 && (table + ball).abs() < 1e-6 * fastest.max(1.0), "{what}: {table}, {ball}");
+            let steps = summary.statistics.steps + summary.statistics.rejected_steps;
+            assert!(steps < 3000, "{what}: {steps} steps");
         }
     }
+}
+
+/// `generalized-alpha` is of order 2: it takes as many steps through a pulse of any width, and ends.
+#[test]
+fn a_method_of_low_order_comes_through_pulses_of_any_width() {
+    for width in [1e-2, 1e-4, 1e-6, 1e-7] {
+        let force = format!("{:?}*exp(-((t-3.3)/{width:?})^2)", 1.0 / width);
+        let summary = go(&read(&slide(&force, 0.0)), DURATION, 1e-6, Method::GeneralizedAlpha);
+        let (found, expected) = (summary.state.velocity[0], 0.5 * PI.sqrt());
+        assert!((found - expected).abs() < 1e-6, "{width}: {found} for {expected}");
+        assert!(summary.statistics.steps < 30_000, "{width}: {} steps", summary.statistics.steps);
+    }
+    let model = read(&driven("0.001*exp(-((t-3.3)/1e-5)^2)", ""));
+    let summary = go(&model, 7.0, 1e-6, Method::GeneralizedAlpha);
+    let [table, ball] = summary.state.velocity[..] else { panic!() };
+    assert!(table.abs() < 1e-9 && (table + ball).abs() < 1e-4, "{table}, {ball}");
+    assert!(summary.statistics.steps < 200_000, "{} steps", summary.statistics.steps);
+}
+
+/// Fixed steps are shorter where a formula does something that is over within a few of them, and nowhere else.
+#[test]
+fn fixed_steps_follow_pulses_that_are_shorter() {
+    let mut random = Random::new(64);
+    for case in 0..60 {
+        let (text, impulse) = pulse(&mut random);
+        let model = read(&slide(&text, 0.0));
+        let method = [Method::Rk4, Method::Gauss][case % 2];
+        let summary = go(&model, DURATION, 1e-8, method);
+        let (found, expected) = (summary.state.velocity[0], 0.5 * impulse);
+        // The tails of a smooth pulse are beside its stretch.
+        assert!((found - expected).abs() < WITHIN, "case {case}, {method:?}: {found} for {expected}\n{text}");
+        // Of 1 ms, and some hundred for each pulse.
+        assert!(
+            summary.statistics.steps < 30_000,
+            "case {case}, {method:?}: {} steps\n{text}",
+            summary.statistics.steps
+        );
+    }
+    // A wave through a switch, of a third more to three places of it.
+    for (method, width) in [(Method::Rk4, 1e-3), (Method::Rk4, 1e-6), (Method::Gauss, 1e-3), (Method::Gauss, 1e-6)] {
+        let force = format!("{:?}*(1-cos(2*pi*(t-3.3)/{width:?}))*(3.3 <= t <= 3.3+{width:?})", 1.0 / width);
+        let summary = go(&read(&slide(&force, 0.0)), DURATION, 1e-8, method);
+        let found = summary.state.velocity[0];
+        assert!((found - 0.5).abs() < 1e-6, "{method:?}, {width}: {found}");
+        assert!(summary.energy_drift < 1e-6, "{method:?}, {width}: {:e} J unaccounted for", summary.energy_drift);
+    }
+    // What is constant between its switches takes one step.
+    let summary = go(&read(&slide("10*(0.5 < t % 1 < 0.505)", 0.0)), DURATION, 1e-8, Method::Rk4);
+    assert!(summary.statistics.steps < 10_100, "{} steps", summary.statistics.steps);
 }
