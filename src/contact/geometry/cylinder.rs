@@ -56,9 +56,11 @@ fn on_rim(a: &Placed, b: &Placed, along: &Vector3<f64>, edge: &Vector3<f64>) -> 
     };
     let step = std::f64::consts::TAU / PARTS as f64;
     let mut found = Vec::new();
+    let mut ahead = slope(0.0);
     for k in 0..PARTS {
         let (mut left, mut right) = (k as f64 * step, (k + 1) as f64 * step);
-        let (Some(mut l), Some(mut r)) = (slope(left), slope(right)) else { continue };
+        let behind = std::mem::replace(&mut ahead, slope(right));
+        let (Some(mut l), Some(mut r)) = (behind, ahead) else { continue };
         // A maximum of the distance.
         if !(l > 0.0 && r <= 0.0) {
             continue;
@@ -90,8 +92,7 @@ fn furthest(core: &Placed, n: &Vector3<f64>) -> Vector3<f64> {
 
 /// The direction across the axis along which a rim is furthest along `n`; zero if they are all equal.
 fn outward(core: &Placed, n: &Vector3<f64>) -> Vector3<f64> {
-    let along = core.edges[0];
-    (n - along * along.dot(n)).try_normalize(1e-300).unwrap_or_else(Vector3::zeros)
+    super::rim::lowest(&core.edges[0], n).unwrap_or_else(Vector3::zeros)
 }
 
 /// Nearest points of a point or segment `a` and a cylinder `b`: the distance is convex along the segment.

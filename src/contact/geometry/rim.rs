@@ -40,7 +40,8 @@ pub(super) fn pairs(a: &PlacedBoundary<'_>, b: &PlacedBoundary<'_>) -> Vec<[Feat
     }
     if b.of.rim > 0.0 {
         of_cylinder(b, a, |mine, other| {
-            if !all.contains(&[other, mine]) {
+            // Of two cylinders the pairs of both lists may be the same.
+            if a.of.rim == 0.0 || !all.contains(&[other, mine]) {
                 all.push([other, mine]);
             }
         });
@@ -190,7 +191,7 @@ fn corner(
         if tilt < NONE {
             return None;
         }
-        let out = (towards - along * along.dot(towards)) / tilt;
+        let out = lowest(&along, towards)?;
         return Some((at + out * of.of.rim, Some(Rim::new(of, out, tilt)), f64::INFINITY, before));
     };
     // Of a disc that lies flat the end that faces the other surface counts.
@@ -200,6 +201,12 @@ fn corner(
     let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CORNERS);
     let out = of.pose.rotation * Vector3::new(angle.cos(), angle.sin(), 0.0);
     Some((at + out * of.of.rim, None, (FLAT - tilt) * of.of.rim, before))
+}
+
+/// The direction across an axis that goes furthest along a unit vector `n`, by `a × (n × a)`: `n − a a·n`, which is the same, is rounding along
+/// the axis where both are nearly one, and a rim stood as much higher or lower as that is in parts of its tilt.
+pub(super) fn lowest(axis: &Vector3<f64>, n: &Vector3<f64>) -> Option<Vector3<f64>> {
+    axis.cross(&n.cross(axis)).try_normalize(1e-300)
 }
 
 impl Rim {
