@@ -13,6 +13,9 @@ use std::cell::OnceCell;
 const RANK: f64 = 1e-9;
 /// Rows that answer to what they push with by less than this part of those that answer the most do so by rounding, beside loops and drives.
 const IMMOVABLE: f64 = 1e-13;
+/// Rows are chosen anew once the least independent of those that are kept is so by less than this part of what it would be of others: a point that
+/// moves along a line of contact comes to the end of it, where another one is.
+const WORN: f64 = 0.1;
 /// Rounds of a projection of positions.
 const MOST_ROUNDS: usize = 6;
 
@@ -130,7 +133,22 @@ impl Contacts {
     pub(super) fn choose(&mut self, mass: &mut Factorized<'_>) {
         let rows = self.kept_rows();
         let answers = self.answers(mass, &rows);
-        self.independent = pivots(&self.matrix(&rows, &answers));
+        self.independent = pivots(&self.matrix(&rows, &answers)).rows;
+    }
+
+    /// Decides it again behind a step if points of contact have moved to where others are the better choice ([`WORN`]); frames are those of the
+    /// place.
+    fn choose_again(&mut self, mass: &mut Factorized<'_>, rows: &[Row]) {
+        if self.independent.len() == rows.len() {
+            return;
+        }
+        let answers = self.answers(mass, rows);
+        let (matrix, kept) = (self.matrix(rows, &answers), &self.independent);
+        let own = DMatrix::from_fn(kept.len(), kept.len(), |i, j| matrix[(kept[i], kept[j])]);
+        let (own, best) = (pivots(&own), pivots(&matrix));
+        if best.rows.len() == kept.len() && (own.rows.len() < kept.len() || own.least < WORN * best.least) {
+            self.independent = best.rows;
+        }
     }
 
     /// Closed contacts of which a row depends on others.
@@ -216,6 +234,7 @@ impl Contacts {
             System::displace(&self.model, q, &by);
         }
         let rows = self.kept_rows();
+        self.choose_again(&mut system.factorized_beside(q, v), &rows);
         let speeds: Vec<f64> = rows.iter().map(|row| self.frames[row.of].speed.dot(&row.measures)).collect();
         let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
@@ -318,20 +337,29 @@ impl Contacts {
     }
 }
 
+/// Rows of a matrix that are linearly independent, in order.
+struct Pivots {
+    rows: Vec<usize>,
+    /// The last pivot: how independent of the others the least of them is, 1 if it is across all of them.
+    least: f64,
+}
+
 /// Rows of a symmetric positive semidefinite matrix that are linearly independent (Cholesky's factorization with complete pivoting).
-fn pivots(matrix: &DMatrix<f64>) -> Vec<usize> {
+fn pivots(matrix: &DMatrix<f64>) -> Pivots {
     let (n, units) = (matrix.nrows(), units(matrix));
     let mut left = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[i] * units[j]);
-    let mut kept = Vec::new();
+    let mut found = Pivots { rows: Vec::new(), least: 0.0 };
     for _ in 0..n {
-        let largest = (0..n).filter(|i| !kept.contains(i)).max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)]));
+        let others = (0..n).filter(|i| !found.rows.contains(i));
+        let largest = others.max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)]));
         let Some(at) = largest.filter(|at| left[(*at, *at)] > RANK) else { break };
-        let column = left.column(at) / left[(at, at)].sqrt();
+        found.least = left[(at, at)];
+        let column = left.column(at) / found.least.sqrt();
         left -= &column * column.transpose();
-        kept.push(at);
+        found.rows.push(at);
     }
-    kept.sort_unstable();
-    kept
+    found.rows.sort_unstable();
+    found
 }
 
 /// A force on the second of two links at a point, and its opposite on the first.
@@ -385,6 +413,6 @@ fn shortest(matrix: &DMatrix<f64>, rates: &DVector<f64>) -> DVector<f64> {
         0 => DVector::zeros(0),
         1 if matrix[(0, 0)] == 0.0 => DVector::zeros(1),
         1 => rates / matrix[(0, 0)],
-        _ => least_norm(matrix, rates, &pivots(matrix)),
+        _ => least_norm(matrix, rates, &pivots(matrix).rows),
     }
 }
