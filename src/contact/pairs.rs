@@ -266,13 +266,13 @@ impl Pairs {
         }
     }
 
-    /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m). What goes on where something else
-    /// touched passes nothing by.
+    /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m). Of what is `known` it is not asked whether
+    /// it passes by: what goes on where something else touched passes nothing by.
     pub(crate) fn meetings(
         &self,
         couple: usize,
         [loose, far]: [f64; 2],
-        goes_on: impl Fn(&Meeting) -> bool,
+        known: impl Fn(&Meeting) -> bool,
         mut put: impl FnMut(Meeting),
     ) {
         let Couple { pieces: [a, b], size, .. } = &self.couples[couple];
@@ -284,7 +284,7 @@ impl Pairs {
         let rim = RIM * size + loose;
         let counts = |found: &Meeting| {
             let at_rim = found.inside < rim && found.gap < soon;
-            found.inside >= -loose && found.gap < far && !(at_rim && !goes_on(found) && self.passes_by(couple, found))
+            found.inside >= -loose && found.gap < far && !(at_rim && !known(found) && self.passes_by(couple, found))
         };
         for features in pairs(&a, &b) {
             if let Some(found) = meeting(&a, &b, features, &near).filter(counts) {

@@ -3,6 +3,7 @@
 use super::{Closed, ContactState, Contacts, GAP, STRAIGHT};
 use crate::contact::cone::Law;
 use crate::contact::frame::Frame;
+use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::{DEEPER, LOOSE};
 use crate::dynamics::System;
 use nalgebra::Vector3;
@@ -127,28 +128,31 @@ impl Contacts {
         }
         let size = self.pairs.couples[couple].size;
         let overlap = std::cell::OnceCell::new();
-        let mut best = [f64::INFINITY, 0.0];
-        self.pairs.meetings(
-            couple,
-            [GAP * size, f64::INFINITY],
-            |_| false,
-            |meeting| {
-                let is_closed = self.closed.iter().any(|closed| {
-                    closed.key.couple == couple
-                        && closed.state != ContactState::Spare
-                        && (closed.key.features == meeting.features
-                            || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
-                });
-                // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
-                let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
-                let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
-                if !is_closed && meeting.flat >= -GAP * size && meeting.gap < best[0] && counts() {
-                    let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
-                    best = [meeting.gap, meeting.normal.dot(&u)];
-                }
-            },
-        );
-        best
+        let best = std::cell::Cell::new([f64::INFINITY, 0.0]);
+        let is_closed = |meeting: &Meeting| {
+            self.closed.iter().any(|closed| {
+                closed.key.couple == couple
+                    && closed.state != ContactState::Spare
+                    && (closed.key.features == meeting.features
+                        || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
+            })
+        };
+        // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
+        let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
+        let is_own = |gap: f64| gap > -GAP * size || depth() > 0.0 && gap >= -DEEPER * depth();
+        let counts = |meeting: &Meeting| {
+            let is_nearest = meeting.flat >= -GAP * size && meeting.gap < best.get()[0];
+            is_nearest && !is_closed(meeting) && is_own(meeting.gap)
+        };
+        // Of what does not count it is all the same whether it passes by.
+        let put = |meeting: Meeting| {
+            if counts(&meeting) {
+                let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
+                best.set([meeting.gap, meeting.normal.dot(&u)]);
+            }
+        };
+        self.pairs.meetings(couple, [GAP * size, f64::INFINITY], |meeting| !counts(meeting), put);
+        best.get()
     }
 
     /// Of forces of least norm; of those that are best if these are none and rows are linearly dependent.
