@@ -5,6 +5,7 @@ use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, Law, Problem, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
+use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::Key;
 use crate::dynamics::{Factorized, Fault, System};
 use crate::simulate::events::Kind;
@@ -121,6 +122,7 @@ impl Contacts {
         };
         let frames: Vec<Frame> = frames.into_iter().filter(near).collect();
         self.closing = GAP;
+        let bore = self.bearing();
         let pushed: Vec<(Key, bool)> = self.closed.iter().map(|was| (was.key, was.pushes)).collect();
         self.close(&frames, struck.is_empty(), time);
         changed.released += self.released(&pushed, system);
@@ -131,7 +133,7 @@ impl Contacts {
         self.hold(system, time, state)?;
         changed.lost += moving - kinetic(system, state);
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
-        self.tell(&before, &struck, &mut changed);
+        self.tell(&before, &bore, &struck, &mut changed);
         Ok(changed)
     }
 
@@ -149,7 +151,9 @@ impl Contacts {
         let mut a = vec![0.0; state.velocity.len()];
         let at = system.at_without_contact(time, &state.position, &state.velocity);
         let mass = at.into_accelerations(&mut a)?;
-        Ok((self.touching(mass.motion()), mass))
+        let mut frames = self.touching(mass.motion());
+        self.leave_out(&mut frames);
+        Ok((frames, mass))
     }
 
     /// Brings what touches to gaps of zero.
@@ -445,11 +449,14 @@ impl Contacts {
     }
 
     /// What has changed for couples, beside impacts.
-    fn tell(&self, before: &[(usize, bool)], struck: &[usize], changed: &mut Changed) {
+    fn tell(&self, before: &[(usize, bool)], bore: &[(usize, Meeting)], struck: &[usize], changed: &mut Changed) {
         let after = self.told();
+        let now = self.bearing();
         for (couple, _) in before.iter().filter(|(couple, _)| !after.iter().any(|(other, _)| other == couple)) {
             if !struck.contains(couple) {
-                changed.told.push(self.say(Kind::Lifts, *couple, 0.0));
+                let ends = bore.iter().filter(|(of, place)| of == couple && place.inside < 0.0);
+                let goes_on = ends.into_iter().any(|(_, place)| self.is_carried(*couple, place, &now));
+                changed.told.push(self.say(if goes_on { Kind::GoesOn } else { Kind::Lifts }, *couple, 0.0));
             }
         }
         for (couple, slips) in &after {

@@ -22,6 +22,7 @@
 //! | `rows` | (1): accelerations with the rows of closed contacts, and states kept on them |
 //! | `decide` | an instant: impacts, what touches afterwards, and the state of each contact |
 //! | `impact` | what approaching bodies do to their velocities |
+//! | `joint` | joints of level bodies: what is carried on over them |
 //! | `watch` | (2): the numbers whose change of sign is an event |
 //! | `spring` | compliant contacts |
 //! | `capture` | steps that capture all events of an instant |
@@ -34,6 +35,7 @@ mod blocks;
 mod capture;
 mod decide;
 mod impact;
+mod joint;
 mod moreau;
 mod raise;
 mod rows;

@@ -24,6 +24,8 @@ pub enum Kind {
     Strikes,
     /// Bodies that touched do no longer.
     Lifts,
+    /// A body goes on beyond the end of another one, carried by others that are level with it.
+    GoesOn,
     /// What slid on another body rolls.
     Rolls,
     /// A crossing the user asked for.
@@ -49,6 +51,7 @@ impl Kind {
             Self::Stick => "sticks",
             Self::Strikes => "strikes",
             Self::Lifts => "lifts",
+            Self::GoesOn => "goes on",
             Self::Rolls => "rolls",
             Self::Crossing => "crossing",
             Self::Force(name) => name,
@@ -86,6 +89,7 @@ impl Occurrence {
             return match kind {
                 Kind::Strikes => format!("`{other}` strikes `{one}` at {} m/s", shown(*speed)),
                 Kind::Lifts => format!("`{other}` lifts off `{one}`"),
+                Kind::GoesOn => format!("`{other}` goes on beyond `{one}`"),
                 _ => format!("`{other}` {} on `{one}`", kind.name()),
             };
         }
