@@ -376,3 +376,116 @@ fn points_are_carried_on_over_joints() {
         assert_eq!((&told["impacts"], &told["capture_steps"]), (&0.into(), &0.into()), "case {case}");
     }
 }
+
+/// An upright cylinder that is turned about its axis slides without friction over a step down that is hardly more than rounding: the point at which
+/// its rim comes down lies between those that are fixed to it. It keeps its speed, and ends lower by the step.
+#[test]
+fn turned_cylinders_pass_over_steps_of_a_nanometre() {
+    let (bench, mut random) = (Bench::new(), Random::new(86));
+    for case in 0..12 {
+        let step = if case % 3 == 0 { 2e-9 } else { 1e-9 };
+        let (radius, height, speed) = (random.between(0.2, 0.3), 0.04, random.between(1.8, 2.2));
+        let yaw: f64 = random.between(0.1, 0.4);
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.5, tolerance = 1e-8 }}\n\
+                 [[body]]\nname = \"high\"\nshape = {{ box = [20, 20, 1], at = [-9.6, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"low\"\nshape = {{ box = [20, 20, 1], at = [10.4, 0, {:?}] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"load\"\ndensity = 1000\nshape = {{ cylinder = [{radius:?}, {height:?}] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {:?}, {:?}, 0, 0, {:?}], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"*\", \"load\"]\n",
+                -0.5 - step,
+                0.5 * height,
+                (0.5 * yaw).cos(),
+                (0.5 * yaw).sin(),
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let (end, velocity) = (&told["final"]["positions"]["load"], &told["final"]["velocities"]["load"]);
+        // What is captured on the way is so by steps of order 1.
+        assert!((number(&velocity[0]) - speed).abs() < 1e-5, "case {case}: {velocity} not {speed}");
+        // A rim of this size stands to some 1e-9 of it.
+        let off = number(&end[2]) - 0.5 * height + step;
+        assert!(off.abs() < 1e-9, "case {case}: {off:e} above the lower table");
+    }
+}
+
+/// A cylinder on its side slides without friction over a joint that crosses its axis at a small angle: the point where they cross runs along it, from
+/// one end to the other. Its motion is uniform, and costs no more than a few steps.
+#[test]
+fn joints_nearly_along_a_cylinder_cost_nothing() {
+    let (bench, mut random) = (Bench::new(), Random::new(87));
+    for angle in [1e-2, 1e-3, 1e-4, 1e-4] {
+        let (radius, length) = (random.between(0.05, 0.1), random.between(0.2, 0.5));
+        let [along, across] = [random.between(-1.5, 1.5), random.between(1.0, 3.0)];
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.3, tolerance = 1e-8 }}\n\
+                 [[body]]\nname = \"one\"\nshape = {{ box = [20, 40, 1], at = [-9.9, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"two\"\nshape = {{ box = [20, 40, 1], at = [10.1, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"load\"\ndensity = 1000\nshape = {{ cylinder = [{radius:?}, {length:?}], rpy = [{:?}, 0, {angle:?}] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {radius:?}, 1, 0, 0, 0], velocity = [{across:?}, {along:?}, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"*\", \"load\"]\n",
+                std::f64::consts::FRAC_PI_2,
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let end = &told["final"]["positions"]["load"];
+        let off = [number(&end[0]) - 0.3 * across, number(&end[1]) - 0.3 * along, number(&end[2]) - radius];
+        assert!(off.iter().all(|x| x.abs() < 1e-8), "{angle}: off by {off:?}");
+        assert!(number(&told["acceleration_evaluations"]) < 2000.0, "{angle}: {}", told["acceleration_evaluations"]);
+        assert_eq!((&told["impacts"], &told["capture_steps"]), (&0.into(), &0.into()), "{angle}");
+        let kinds: Vec<&str> =
+            told["events"].as_array().expect("events").iter().filter_map(|e| e["kind"].as_str()).collect();
+        assert_eq!(kinds, ["goes on"], "{angle}");
+    }
+}
+
+/// A cart on wheels that are cylinders, of which two are driven with a torque `T`, rolls over joints of level tables as over one, with
+/// `a = 2 T/r / (m + n I/r²)`: nothing lifts, slips or is struck.
+#[test]
+fn wheels_roll_over_joints() {
+    let (bench, mut random) = (Bench::new(), Random::new(88));
+    for case in 0..6 {
+        let wheels = if case % 3 == 0 { 4 } else { 6_u8 };
+        let (radius, width, speed) = (random.between(0.08, 0.15), random.between(0.03, 0.05), random.between(0.8, 1.5));
+        let (tile, torque, begin) = (random.between(0.31, 0.39), random.between(0.2, 0.4), random.between(0.15, 0.3));
+        let tables: String = (0..6)
+            .map(|k| {
+                let at = tile * (f64::from(k) - begin);
+                format!("[[body]]\nname = \"t{k}\"\nshape = {{ box = [{tile:?}, 20, 1], at = [{at:?}, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n")
+            })
+            .collect();
+        let wheel = |k: u8| {
+            let (x, y) = (0.25 * f64::from(k / 2) - 0.07, if k % 2 == 0 { 0.2 } else { -0.2 });
+            format!(
+                "[[body]]\nname = \"w{k}\"\nmass = 1.0\ninertia = [0.004, 0.008, 0.004]\nshape = {{ cylinder = [{radius:?}, {width:?}], rpy = [{:?}, 0, 0] }}\n\
+                 hinge = {{ type = \"revolute\", parent = \"cart\", at = [{x:?}, {y:?}, 0], axis = [0, 1, 0], velocity = {:?}{} }}\n",
+                std::f64::consts::FRAC_PI_2,
+                speed / radius,
+                if k < 2 { format!(", force = {torque:?}") } else { String::new() },
+            )
+        };
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = 0.4, tolerance = 1e-9 }}\n{tables}\
+                 [[body]]\nname = \"cart\"\nmass = 9\ninertia = [0.2, 0.2, 0.2]\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {radius:?}, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n{}\
+                 [[contact]]\nbetween = [\"t*\", \"w*\"]\nfriction = 0.8\n",
+                (0..wheels).map(wheel).collect::<String>()
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let (end, velocity) = (&told["final"]["positions"]["cart"], &told["final"]["velocities"]["cart"]);
+        let all = f64::from(wheels);
+        let a = 2.0 * torque / radius / (9.0 + all + all * 0.008 / (radius * radius));
+        assert!((number(&end[0]) - 0.4 * speed - 0.08 * a).abs() < 1e-7, "case {case}: {end}");
+        assert!((number(&velocity[0]) - speed - 0.4 * a).abs() < 1e-7, "case {case}: {velocity}");
+        assert_eq!((&told["impacts"], &told["capture_steps"]), (&0.into(), &0.into()), "case {case}");
+        let events = told["events"].as_array().expect("events");
+        assert!(!events.is_empty() && events.iter().all(|event| event["kind"] == "goes on"), "case {case}: {events:?}");
+    }
+}
