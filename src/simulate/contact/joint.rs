@@ -1,13 +1,13 @@
 //! Joints of level bodies: what slides or rolls over one is carried on, and the edge behind it curves away.
 
-use super::{ContactState, Contacts};
+use super::{ContactState, Contacts, GAP};
 use crate::contact::frame::Frame;
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::LOOSE;
 
 /// Rows along the normal that differ by less than this part are one, and what their contacts part by of themselves differs clearly if it does by
-/// more than this part of it and of gravity.
-const ALIKE_ROWS: f64 = 1e-5;
+/// more than this part of it and of gravity: ten times what such rows can differ by.
+const ALIKE_ROWS: f64 = 1e-3;
 const CURVES: f64 = 1e-2;
 
 impl Contacts {
@@ -19,17 +19,22 @@ impl Contacts {
     }
 
     /// Whether `one` parts whatever bears as long as `other` does not sink: both are moved alike, `J` being one, and its own way over the bodies
-    /// parts it faster, `c` being more. So does the edge of a table behind a wheel that has rolled on onto the next one: beside the contact that
-    /// holds it its row is dependent, and wrong. What is about to end by itself, `other` being at the end of where it counts, holds nothing.
+    /// parts it faster, `c` being more; nor does it meet before that, as `g − u²/2c` is left of its gap where it is nearest. So does the edge of
+    /// a table behind a wheel that has rolled on onto the next one, and the edge of that before: beside the contact that holds the wheel their
+    /// rows are dependent, and wrong. What is about to end by itself, `other` being at the end of where it counts, holds nothing.
     fn is_behind(&self, one: &Frame, other: &Frame) -> bool {
         let (more, own) = (one.bias.x - other.bias.x, self.model.gravity.norm());
         let clear = more > CURVES * (one.bias.x.abs() + other.bias.x.abs() + own);
+        let comes = (other.speed.x - one.speed.x).max(0.0);
+        let meets =
+            0.5 * comes * comes / more > one.meeting.gap.max(0.0) + GAP * self.pairs.couples[one.key.couple].size;
         let size = other.columns[0].iter().map(|(_, value)| value.abs()).fold(0.0, f64::max);
         let value = |i: usize| one.columns[0].iter().find(|(at, _)| *at == i).map_or(0.0, |(_, value)| *value);
         let alike = |(i, own): &(usize, f64)| (value(*i) - own).abs() < ALIKE_ROWS * size;
         let known =
             |(i, own): &(usize, f64)| own.abs() < ALIKE_ROWS * size || other.columns[0].iter().any(|(at, _)| at == i);
         clear
+            && !meets
             && other.meeting.inside >= 0.0
             && one.links == other.links
             && [one, other].iter().all(|frame| self.is_rigid(frame.key.couple))
