@@ -20,7 +20,7 @@ const PROBES: usize = 8;
 pub(in crate::statics) struct RowSpace {
     /// Over the free coordinates, of unit size in the metric.
     rows: SparseRows,
-    /// The same by what they pull at.
+    /// What they pull at.
     pulls: Vec<Pull>,
     gram: Gram,
 }
