@@ -6,7 +6,8 @@
 //! ```
 //!
 //! the method of multipliers (Hestenes 1969) with `P` in place of `K + Gᵀ ρ G`: rows may be linearly dependent. Each round leaves what
-//! hinges and rows give, a millionth where few of them are in series.
+//! hinges and rows give, a millionth where few of them are in series. Without rows conjugate gradients with `P` before them
+//! (Hestenes & Stiefel 1952) take fewer rounds.
 
 use crate::model::Model;
 use crate::sparse::{Cholesky, SparseRows};
@@ -16,8 +17,8 @@ use crate::transfer::tangent::{Applied, At, Pair, Pull, Twists};
 const CONTRACTS: f64 = 0.3;
 /// Rounds at most.
 const ROUNDS: usize = 12;
-/// What is left of the step that was taken first: all digits, or half of them.
-const LEFT: [f64; 2] = [1e-14, 1e-7];
+/// What is left of the step that was taken first: all digits, or what a search needs on its way.
+const LEFT: [f64; 2] = [1e-14, 1e-6];
 /// Round-off of `P` as part of what hinges pass on: within that of zero it does not say what is definite.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
@@ -89,8 +90,44 @@ impl ByTwists {
         self.solve(&mut f, &[], LEFT[1])
     }
 
+    /// Without rows: conjugate gradients with `P` before them; false if they do not converge.
+    fn solve_alone(&mut self, x: &mut [f64], left: f64) -> bool {
+        let Self { twists, cholesky, z, residual, .. } = self;
+        let n = x.len();
+        residual.copy_from_slice(x);
+        twists.hold(residual);
+        x.fill(0.0);
+        let (mut along, mut pushed) = (vec![0.0; n], vec![0.0; n]);
+        let (mut first, mut last, mut before) = (0.0_f64, f64::INFINITY, f64::INFINITY);
+        for _ in 0..ROUNDS {
+            z.fill(0.0);
+            z[..n].copy_from_slice(residual);
+            cholesky.solve(z);
+            last = dot(&z[..n], &z[..n]).sqrt();
+            first = first.max(last);
+            if last <= left * first {
+                x.iter_mut().zip(z.iter()).for_each(|(x, z)| *x += z);
+                return true;
+            }
+            let weight = dot(residual, &z[..n]);
+            along.iter_mut().zip(z.iter()).for_each(|(a, z)| *a = z + weight / before * *a);
+            before = weight;
+            twists.times(&along, &mut pushed);
+            let part = weight / dot(&along, &pushed);
+            if !(part > 0.0 && part.is_finite()) {
+                return false;
+            }
+            x.iter_mut().zip(&along).for_each(|(x, a)| *x += part * a);
+            residual.iter_mut().zip(&pushed).for_each(|(r, k)| *r -= part * k);
+        }
+        last <= LEFT[1] * first
+    }
+
     /// Eq. (1); false if it does not converge. `s` is empty for zeros.
     fn solve(&mut self, x: &mut [f64], s: &[f64], left: f64) -> bool {
+        if self.rows.is_empty() {
+            return self.solve_alone(x, left);
+        }
         let Self { twists, cholesky, rows, z, residual } = self;
         let n = x.len();
         let force = x.to_vec();
@@ -130,4 +167,8 @@ impl ByTwists {
     pub(super) fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64], is_rough: bool) {
         self.solve(x, s, LEFT[usize::from(is_rough)]);
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -69,6 +69,8 @@ struct Local {
 #[derive(Debug, Clone)]
 pub struct Twists {
     links: Vec<Local>,
+    /// Of every coordinate its link.
+    link_of: Vec<usize>,
     pairs: Vec<Pair>,
     far: Vec<Matrix6<f64>>,
     pulls: Vec<Pull>,
@@ -110,7 +112,12 @@ impl Twists {
             lever: 0.0,
             stiff: [0.0; 2],
         };
+        let mut link_of = vec![0; n];
+        for (index, link) in model.links.iter().enumerate() {
+            link_of[link.velocity..link.velocity + link.joint.counts().1].fill(index);
+        }
         let mut new = Self {
+            link_of,
             links: model.links.iter().map(local).collect(),
             pairs: pairs.to_vec(),
             far: vec![Matrix6::zeros(); pairs.len()],
@@ -368,9 +375,9 @@ impl Twists {
                 }
             };
             let of_coordinate = |(j, factor): &(usize, f64)| {
-                let link = self.links.iter().find(|link| (link.first..link.first + link.count).contains(j));
-                let is_slide = |link: &Local| link.H[j - link.first].fixed_rows::<3>(0).norm() == 0.0;
-                link.map_or(0.0, |link| link.stiff[usize::from(is_slide(link))] / (factor * factor))
+                let link = &self.links[self.link_of[*j]];
+                let is_slide = link.H[j - link.first].fixed_rows::<3>(0).norm() == 0.0;
+                link.stiff[usize::from(is_slide)] / (factor * factor)
             };
             let ends = pull.links.iter().map(of_link).chain(pull.coordinates.iter().map(of_coordinate));
             *rho = ends.filter(|rho| rho.is_finite()).fold(0.0, f64::max);

@@ -459,7 +459,7 @@ fn wheels_roll_over_joints() {
             })
             .collect();
         let wheel = |k: u8| {
-            let (x, y) = (0.25 * f64::from(k / 2) - 0.07, if k % 2 == 0 { 0.2 } else { -0.2 });
+            let (x, y) = (0.25 * f64::from(k / 2) - 0.07, if k.is_multiple_of(2) { 0.2 } else { -0.2 });
             format!(
                 "[[body]]\nname = \"w{k}\"\nmass = 1.0\ninertia = [0.004, 0.008, 0.004]\nshape = {{ cylinder = [{radius:?}, {width:?}], rpy = [{:?}, 0, 0] }}\n\
                  hinge = {{ type = \"revolute\", parent = \"cart\", at = [{x:?}, {y:?}, 0], axis = [0, 1, 0], velocity = {:?}{} }}\n",

@@ -128,8 +128,10 @@ fn twists_hold_rows_that_depend() {
         };
         assert_eq!((rows.len(), pulls.len()), (12, 12));
         let dense = system.at(0.0, q, &zero).linearize(&zero).unwrap().stiffness;
-        let shift = vec![2000.0; n];
-        let entry = |i: usize, j: usize| 0.5 * (dense[(i, j)] + dense[(j, i)]) + if i == j { shift[i] } else { 0.0 };
+        let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (dense[(i, j)] + dense[(j, i)]));
+        let lowest = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).unwrap()[0];
+        let shift = vec![0.1 * (lowest.abs() + 10.0) - lowest; n];
+        let entry = |i: usize, j: usize| symmetric[(i, j)] + if i == j { shift[i] } else { 0.0 };
         let mut whole = Mat::<f64>::zeros(n + rows.len(), n + rows.len());
         (0..n).for_each(|i| (0..n).for_each(|j| whole[(i, j)] = entry(i, j)));
         for row in 0..rows.len() {
