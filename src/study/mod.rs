@@ -19,6 +19,7 @@
 //! | [`fit`] | numbers of a scene that bring its answers closest to measurements |
 //! | `dataset`, `parquet`, `reader` | rows on disk, written and read (feature `parquet`) |
 //! | [`statistics`] | moments, quantiles, regression of a column on the inputs |
+//! | [`variance`] | what each input explains alone: first-order Sobol indices |
 //!
 //! A row follows from plan, scenario and number of its case alone: it does not matter which thread, process or machine
 //! computes it, nor in which order.
@@ -42,6 +43,7 @@ pub mod sample;
 pub mod sobol;
 pub mod statistics;
 mod together;
+pub mod variance;
 
 pub use answer::Question;
 pub use axis::Axis;

@@ -6,10 +6,12 @@ use super::super::text::{count, number, small};
 use super::super::{Exit, inputs::Inputs, output};
 use super::Arguments;
 use crate::study::reader::Reader;
-use crate::study::statistics::{CONFIDENCE, Moments, Regression, quantiles};
+use crate::study::statistics::{CONFIDENCE, Effect, Moments, Regression, quantiles};
+use crate::study::variance::{self, Classes, FEWEST_ROWS, FirstOrder};
 use crate::suggest::closest;
 use anyhow::{anyhow, bail};
 use serde_json::{Map, Value, json};
+use std::cell::OnceCell;
 
 /// Quantiles that are told.
 const PARTS: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
@@ -26,11 +28,32 @@ struct Output {
     moments: Moments,
     quantiles: Vec<f64>,
     regression: Option<Regression>,
+    /// What each input explains alone.
+    alone: Vec<Option<FirstOrder>>,
+}
+
+impl Output {
+    /// Whether lines explain more than they leave.
+    fn is_linear(&self) -> bool {
+        self.regression.as_ref().is_some_and(|regression| regression.explained >= LINEAR)
+    }
+
+    /// The inputs that vary, with what each explains alone: what matters most first, by the coefficients, or by that where lines
+    /// explain little.
+    fn ranked(&self) -> Vec<(Effect, Option<FirstOrder>)> {
+        let effects = self.regression.iter().flat_map(|regression| &regression.effects);
+        let mut ranked: Vec<_> = effects.map(|effect| (*effect, self.alone[effect.input])).collect();
+        if !self.is_linear() && ranked.iter().all(|(_, alone)| alone.is_some()) {
+            let index = |alone: &Option<FirstOrder>| alone.map_or(0.0, |alone| alone.index);
+            ranked.sort_by(|a, b| index(&b.1).total_cmp(&index(&a.1)));
+        }
+        ranked
+    }
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let reader = Reader::open(&arguments.studied).map_err(|error| anyhow!(error))?;
-    let study = Study { inputs: numeric(&reader, &reader.inputs), reader };
+    let study = Study { inputs: numeric(&reader, &reader.inputs), reader, ends: OnceCell::new() };
     let names = study.chosen(&arguments.dataset.of)?;
     if let Some(path) = &arguments.dataset.svg {
         Inputs::default().spare(path)?;
@@ -80,6 +103,8 @@ struct Study {
     reader: Reader,
     /// Inputs that are numbers.
     inputs: Vec<String>,
+    /// Ends of the classes of each, once they are asked for.
+    ends: OnceCell<Vec<Vec<f64>>>,
 }
 
 impl Study {
@@ -134,7 +159,31 @@ impl Study {
             self.answered(&name, &mut |row| take(row[self.inputs.len()]))
         })?;
         let regression = Regression::new(&moments);
-        Ok(Some(Output { name, unit, moments, quantiles, regression }))
+        let alone = match regression.is_some() && moments.count >= FEWEST_ROWS {
+            true => self.alone(&name, &moments)?,
+            false => vec![None; self.inputs.len()],
+        };
+        Ok(Some(Output { name, unit, moments, quantiles, regression, alone }))
+    }
+
+    /// What each input explains alone.
+    fn alone(&self, name: &str, moments: &Moments) -> anyhow::Result<Vec<Option<FirstOrder>>> {
+        if self.ends.get().is_none() {
+            let ends = self.inputs.iter().map(|input| self.ends_of(input)).collect::<anyhow::Result<_>>()?;
+            self.ends.get_or_init(|| ends);
+        }
+        let ends = self.ends.get().cloned().unwrap_or_default();
+        let mut classes = Classes::new(ends, moments.mean(self.inputs.len()));
+        self.answered(name, &mut |row| classes.add(row))?;
+        Ok((0..self.inputs.len()).map(|input| classes.first_order(input, CONFIDENCE)).collect())
+    }
+
+    /// Ends of classes that hold equally many of all cases with an answer.
+    fn ends_of(&self, input: &str) -> anyhow::Result<Vec<f64>> {
+        let mut rows = 0;
+        self.answered(input, &mut |_| rows += 1)?;
+        let at = self.inputs.len();
+        quantiles(&variance::parts(rows), rows, &mut |take| self.answered(input, &mut |row| take(row[at])))
     }
 
     fn json(&self, output: &Output) -> Value {
@@ -142,11 +191,12 @@ impl Study {
         let (low, high) = output.moments.ends[last];
         let quantiles: Map<String, Value> =
             PARTS.iter().zip(&output.quantiles).map(|(part, value)| (part.to_string(), json!(value))).collect();
-        let effects = output.regression.iter().flat_map(|regression| &regression.effects);
-        let effect = |effect: &crate::study::statistics::Effect| {
+        let effect = |(effect, alone): (Effect, Option<FirstOrder>)| {
             json!({
                 "input": self.inputs[effect.input], "coefficient": effect.coefficient,
                 "confidence": effect.confidence, "correlation": effect.correlation,
+                "first_order": alone.map(|alone| alone.index),
+                "first_order_confidence": alone.map(|alone| alone.confidence),
             })
         };
         json!({
@@ -154,7 +204,7 @@ impl Study {
             "mean": output.moments.mean(last), "deviation": output.moments.deviation(last), "min": low, "max": high,
             "quantiles": quantiles,
             "explained": output.regression.as_ref().map(|regression| regression.explained),
-            "effects": effects.map(effect).collect::<Vec<_>>(),
+            "effects": output.ranked().into_iter().map(effect).collect::<Vec<_>>(),
         })
     }
 
@@ -176,39 +226,71 @@ impl Study {
             named.map(|(part, value)| format!("{} % below {}", 100.0 * part, number(*value))).collect();
         text += &format!("  {}\n", quantiles.join(", "));
         let Some(regression) = &output.regression else { return text.trim_end().to_owned() };
-        if let Some(first) = regression.effects.first() {
-            let share = 100.0 * first.coefficient * first.coefficient;
-            let explained = 100.0 * regression.explained;
-            let input = &self.inputs[first.input];
-            text += &match (regression.explained >= LINEAR, regression.correlated) {
-                (true, None) => format!(
-                    "  what matters most is `{input}`: {} % of the variance; a line in all inputs explains {} %\n",
-                    small(share),
-                    small(explained)
-                ),
-                (true, Some((one, other, by))) => format!(
-                    "  inputs are correlated (`{}` and `{}` by {}): none has a share of the variance of its own; a line in all \
-                     inputs explains {} %\n",
-                    self.inputs[one],
-                    self.inputs[other],
-                    number(by),
-                    small(explained)
-                ),
-                (false, _) => format!(
-                    "  a line in all inputs explains {} %: what matters most is not a line, and coefficients do not rank it\n",
-                    small(explained)
-                ),
-            };
-        }
-        let width = regression.effects.iter().map(|effect| self.inputs[effect.input].len()).max().unwrap_or(0);
-        text += &format!("  {:width$}   coefficient ± {} %        correlation\n", "input", 100.0 * CONFIDENCE);
-        for effect in regression.effects.iter().take(MOST_INPUTS) {
+        text += &self.what_matters(output, regression);
+        let ranked = output.ranked();
+        let width = ranked.iter().map(|(effect, _)| self.inputs[effect.input].len()).max().unwrap_or(0);
+        let by = 100.0 * CONFIDENCE;
+        text += &format!("  {:width$}   coefficient ± {by} %        correlation   alone ± {by} %\n", "input");
+        for (effect, alone) in ranked.iter().take(MOST_INPUTS) {
             let line = format!("{:+.4} ± {:.4}", effect.coefficient, effect.confidence);
-            text += &format!("  {:width$}   {line:<25} {:+.4}\n", self.inputs[effect.input], effect.correlation);
+            let alone = alone.map(|alone| format!("{:.4} ± {:.4}", shown(alone.index), alone.confidence));
+            let line = format!(
+                "  {:width$}   {line:<25} {:+.4}       {}",
+                self.inputs[effect.input],
+                effect.correlation,
+                alone.unwrap_or_default()
+            );
+            text += line.trim_end();
+            text.push('\n');
         }
-        if let Some(more) = regression.effects.len().checked_sub(MOST_INPUTS).filter(|more| *more > 0) {
+        if let Some(more) = ranked.len().checked_sub(MOST_INPUTS).filter(|more| *more > 0) {
             text += &format!("  … and {} (`--json` has all)\n", count(more, "more input", "more inputs"));
         }
         text.trim_end().to_owned()
     }
+
+    /// A sentence on what matters most.
+    fn what_matters(&self, output: &Output, regression: &Regression) -> String {
+        let ranked = output.ranked();
+        let Some((first, alone)) = ranked.first() else { return String::new() };
+        let (input, explained) = (&self.inputs[first.input], small(100.0 * regression.explained));
+        if let Some((one, other, by)) = regression.correlated {
+            return format!(
+                "  inputs are correlated (`{}` and `{}` by {}): none has a share of the variance of its own; a line in all \
+                 inputs explains {explained} %\n",
+                self.inputs[one],
+                self.inputs[other],
+                number(by),
+            );
+        }
+        if output.is_linear() {
+            let share = small(100.0 * first.coefficient * first.coefficient);
+            return format!(
+                "  what matters most is `{input}`: {share} % of the variance; a line in all inputs explains {explained} %\n"
+            );
+        }
+        match alone {
+            Some(alone) if alone.index > alone.confidence => format!(
+                "  what matters most is `{input}`: {} % of the variance by itself; all inputs by themselves explain {} %, the \
+                 rest is in how they act together; a line in all inputs explains {explained} %\n",
+                small(100.0 * alone.index),
+                small(
+                    100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| shown(alone.index)).sum::<f64>()
+                ),
+            ),
+            Some(_) => format!(
+                "  no input explains anything by itself: what matters is how they act together, or nothing that varies here; a \
+                 line in all inputs explains {explained} %\n"
+            ),
+            None => format!(
+                "  a line in all inputs explains {explained} %: what matters most is not a line, coefficients do not rank it, and \
+                 {FEWEST_ROWS} cases at least are needed to say more\n"
+            ),
+        }
+    }
+}
+
+/// An index as it is shown: what chance makes negative is zero.
+fn shown(index: f64) -> f64 {
+    index.max(0.0)
 }

@@ -109,8 +109,8 @@ fn what_is_no_dataset_is_refused() {
     refused(&["set"], "part-0000001.parquet");
 }
 
-/// The square of what is drawn on both sides of zero has no slope on the whole: nothing is said to matter most by lines that explain
-/// nothing.
+/// The square of what is drawn on both sides of zero has no slope on the whole: what matters most is said by what an input explains
+/// alone, not by lines that explain nothing. Of `x² + y/100` with both uniform from −1 to 1 that is 4/45 of 4/45 + 1e-4/3.
 #[test]
 fn what_is_no_line_is_not_ranked_by_lines() {
     let bench = Bench::new();
@@ -128,8 +128,27 @@ fn what_is_no_line_is_not_ranked_by_lines() {
     let vary = ["--vary", "parameters.x=uniform(-1, 1)", "--vary", "parameters.y=uniform(-1, 1)"];
     let call = ["sweep", "scene.toml", "--cases", "300", "--sample", "latin", "--out", "rows", "--quiet"];
     bench.call(&[&call[..], &vary[..]].concat()).code(0);
-    let of_square = bench.call(&["study", "rows", "--of", "square"]).code(0).out;
-    assert!(of_square.contains("what matters most is not a line") && !of_square.contains("most is `"), "{of_square}");
+    let of_square = bench.call(&["study", "rows", "--of", "square", "--svg", "square.svg"]).code(0).out;
+    assert!(
+        of_square.contains("what matters most is `parameters.x`") && of_square.contains("by itself"),
+        "{of_square}"
+    );
+    let svg = std::fs::read_to_string(bench.path().join("square.svg")).expect("a drawing");
+    assert!(svg.contains("first-order Sobol index"), "the bars are what ranks");
+    let answer = bench.call(&["study", "rows", "--of", "square", "--json"]).code(0).json();
+    let [first, second] = [0, 1].map(|at| answer["outputs"][0]["effects"][at].clone());
+    let of = |effect: &Value| {
+        [&effect["first_order"], &effect["first_order_confidence"]].map(|x| x.as_f64().expect("a number"))
+    };
+    let exact = (4.0 / 45.0) / (4.0 / 45.0 + 1e-4 / 3.0);
+    assert_eq!(first["input"], "parameters.x");
+    // Eight classes of 300 rows: what bends in one is (1/4)⁴/180 of variance, 2.4e-4 of the whole.
+    assert!((of(&first)[0] - exact).abs() < 1e-3, "{first}");
+    assert!(of(&second)[0] < of(&second)[1] + 0.05, "{second}");
+    let few = ["--over", "parameters.x=-1:1:5", "--over", "parameters.y=-1:1:4", "--out", "few", "--quiet"];
+    bench.call(&[&["sweep", "scene.toml"][..], &few].concat()).code(0);
+    let of_few = bench.call(&["study", "few", "--of", "square"]).code(0).out;
+    assert!(of_few.contains("what matters most is not a line") && of_few.contains("50 cases"), "{of_few}");
     let of_place = bench.call(&["study", "rows", "--of", "place"]).code(0).out;
     assert!(of_place.contains("what matters most is `parameters.x`"), "{of_place}");
 }

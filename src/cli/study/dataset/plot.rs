@@ -1,9 +1,9 @@
-//! One column of a study: histogram, course over the input that matters most, and a tornado of the coefficients.
+//! One column of a study: histogram, course over the input that matters most, and a tornado of what the inputs do.
 
 use super::super::super::frame::{self, Area};
 use super::super::super::palette::{BLUE, Theme, VERMILION, range, tick};
 use super::super::super::plot::draw::with_unit;
-use super::{MOST_INPUTS, Output, Study};
+use super::{MOST_INPUTS, Output, Study, shown};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -21,8 +21,8 @@ const MOST_NAME: u32 = 260;
 pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Result<String> {
     let last = study.inputs.len();
     let ends = output.moments.ends[last];
-    let effects = output.regression.as_ref().map_or(&[][..], |regression| &regression.effects);
-    let first = effects.first().map(|effect| effect.input);
+    let effects = output.ranked();
+    let first = effects.first().map(|(effect, _)| effect.input);
     let (mut bars, mut points, mut row) = (vec![0_u64; BARS], Vec::new(), 0_u64);
     let width = (ends.1 - ends.0) / BARS as f64;
     let every = output.moments.count.div_ceil(MOST_POINTS);
@@ -44,12 +44,19 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
             let unit = study.reader.numbers.iter().find(|(other, _)| other == input).map_or("", |(_, unit)| unit);
             scatter(&left, theme, [&with_unit(input, unit), &name], &points)?;
         }
+        // Where lines explain little, what each input explains alone ranks them.
+        let alone = !output.is_linear() && effects.iter().all(|(_, alone)| alone.is_some());
         let effects: Vec<(&str, f64, f64)> = effects
             .iter()
             .take(MOST_INPUTS)
-            .map(|effect| (study.inputs[effect.input].as_str(), effect.coefficient, effect.confidence))
+            .map(|(effect, index)| match index.filter(|_| alone) {
+                Some(index) => (effect.input, shown(index.index), index.confidence),
+                None => (effect.input, effect.coefficient, effect.confidence),
+            })
+            .map(|(input, bar, confidence)| (study.inputs[input].as_str(), bar, confidence))
             .collect();
-        tornado(&right, theme, &effects)
+        let quantity = if alone { "first-order Sobol index" } else { "standardized regression coefficient" };
+        tornado(&right, theme, quantity, &effects)
     })
 }
 
@@ -79,16 +86,15 @@ fn scatter(area: &Area<'_>, theme: Theme, names: [&str; 2], points: &[(f64, f64)
     Ok(())
 }
 
-/// Bars of the coefficients, the largest on top, with their confidence intervals, the names left of them.
-fn tornado(area: &Area<'_>, theme: Theme, effects: &[(&str, f64, f64)]) -> anyhow::Result<()> {
+/// Bars of the inputs, the largest on top, with their confidence intervals, the names left of them.
+fn tornado(area: &Area<'_>, theme: Theme, quantity: &str, effects: &[(&str, f64, f64)]) -> anyhow::Result<()> {
     let area = frame::titled(area, theme, "what every input does")?;
     let room = effects.iter().map(|(name, ..)| frame::text_width(name)).max().unwrap_or(0).min(MOST_NAME);
     let (names, bars) = area.split_horizontally(frame::px(room));
     let ends =
         effects.iter().flat_map(|(_, coefficient, confidence)| [coefficient - confidence, coefficient + confidence]);
     let (across, up) = (range(ends.chain([0.0])), (-(effects.len().max(1) as f64), 0.0));
-    let axes: [frame::Axis<'_>; 2] =
-        [("standardized regression coefficient", &|x| tick(*x, across)), ("", &|_| String::new())];
+    let axes: [frame::Axis<'_>; 2] = [(quantity, &|x| tick(*x, across)), ("", &|_| String::new())];
     let mut chart = frame::linear(&bars, theme, (across, up), axes)?;
     let style = frame::letters(theme, 14).pos(Pos::new(HPos::Right, VPos::Center));
     for (index, (name, coefficient, confidence)) in effects.iter().enumerate() {
