@@ -29,6 +29,8 @@ const TOUCHING: f64 = 1e-4;
 const WEIGHTS: [f64; 4] = [0.8, -0.4, 4.0 / 35.0, -1.0 / 70.0];
 /// The farthest point is not farther along the motion (rad, or the scene's length).
 const FARTHEST: f64 = 0.4;
+/// What comes back to within this part of where it was put has not moved along: a drive holds it.
+const HELD: f64 = 0.1;
 
 /// Where a run stands with respect to singular positions, and memory to look around.
 pub(super) struct Passage {
@@ -43,6 +45,8 @@ pub(super) struct Passage {
     step: Vec<f64>,
     acceleration: Vec<f64>,
     multipliers: Vec<f64>,
+    /// How far the state of the last look moved, in parts of how far along it was put.
+    moved: f64,
 }
 
 impl Passage {
@@ -57,6 +61,7 @@ impl Passage {
             step: vec![0.0; model.velocity_count()],
             acceleration: vec![0.0; model.velocity_count()],
             multipliers: vec![0.0; system.constraint_rank()],
+            moved: 0.0,
         };
         passage.start(system, 0.0, &model.start_position, &model.start_velocity);
         passage
@@ -115,9 +120,18 @@ impl Passage {
         let mut along = 2.0 * WITHIN * self.widest;
         let clear = WITHIN * self.widest;
         while along * WEIGHTS.len() as f64 <= FARTHEST {
-            let sides = [-1.0, 1.0].map(|sign| self.look(system, time, (q, v), sign * along / fastest));
+            let mut moved = 0.0_f64;
+            let sides = [-1.0, 1.0].map(|sign| {
+                let side = self.look(system, time, (q, v), sign * along / fastest);
+                moved = moved.max(self.moved);
+                side
+            });
             if sides.iter().all(|side| side.is_some_and(|clearance| clearance >= clear)) {
                 return self.sum(system, time, (q, v), along / fastest, a);
+            }
+            // The dead centre of a drive is passed by no motion: at this time there is none.
+            if moved < HELD {
+                return false;
             }
             along *= 2.0;
         }
@@ -156,7 +170,13 @@ impl Passage {
             step.iter_mut().zip(v).for_each(|(step, v)| *step = along * v);
             System::displace(system.model(), position, step);
         }
-        system.settle(time, position, velocity).ok().map(|settled| settled.clearance)
+        let away = |position: &[f64]| {
+            position.iter().zip(q).fold(0.0_f64, |most, (there, here)| most.max((there - here).abs()))
+        };
+        let put = away(position);
+        let settled = system.settle(time, position, velocity).ok();
+        self.moved = if put > 0.0 && settled.is_some() { away(position) / put } else { 0.0 };
+        settled.map(|settled| settled.clearance)
     }
 
     /// The fastest coordinate (1/s).
