@@ -292,6 +292,11 @@ impl Meeting {
         let point = cores[0] + normal * (radii[0] + 0.5 * gap);
         Self { features, gap, normal, cores, radii, rims: [None; 2], edges, inside, flat: f64::INFINITY, point }
     }
+
+    /// Whether it is the lowest point of a rim, which moves along that.
+    pub fn tips(&self) -> bool {
+        self.rims.iter().flatten().any(|rim| rim.tilt > 0.0)
+    }
 }
 
 /// Normal of a face, the foot of a point on it, and how far that is inside.

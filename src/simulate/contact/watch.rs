@@ -32,6 +32,9 @@ const DRAGGED: f64 = 2.0;
 /// A slip that begins is straight to so many times what one that moves is: where rolling ends it accelerates from nothing, and takes as long as its
 /// direction to turn by hundreds of that to get a speed.
 const BEGINS: f64 = 32.0;
+/// A point that is fixed to a rim lands with a gap of this part of the size, less than what is none, while the disc tips over the rim's lowest
+/// point: that would run around the rim as the tilt passes zero, within 10⁻¹³ s if a push across is as small as rounding.
+const LANDS: f64 = 0.5 * GAP;
 /// Forces beyond their cones by less than this part are round-off of what balances them.
 pub(super) const BEYOND: f64 = 1e-8;
 
@@ -141,14 +144,21 @@ impl Contacts {
         let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
         let is_own = |gap: f64| gap > -GAP * size || depth() > 0.0 && gap >= -DEEPER * depth();
         let counts = |meeting: &Meeting| {
-            let is_nearest = meeting.flat >= -GAP * size && meeting.gap < best.get()[0];
+            let is_nearest = meeting.flat >= -GAP * size && meeting.gap < best.get()[0] + LANDS * size;
             is_nearest && !is_closed(meeting) && is_own(meeting.gap)
         };
+        // A disc that comes down on its rim lands before its lowest point runs around the rim, within nothing.
+        let tips = self.closed.iter().any(|closed| closed.key.couple == couple && closed.meeting.tips());
         // Of what does not count it is all the same whether it passes by.
         let put = |meeting: Meeting| {
             if counts(&meeting) {
                 let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
-                best.set([meeting.gap, meeting.normal.dot(&u)]);
+                let rate = meeting.normal.dot(&u);
+                let lands = tips && meeting.flat.is_finite() && rate < -self.slow;
+                let gap = if lands { meeting.gap - LANDS * size } else { meeting.gap };
+                if gap < best.get()[0] {
+                    best.set([gap, rate]);
+                }
             }
         };
         self.pairs.meetings(couple, [GAP * size, f64::INFINITY], |meeting| !counts(meeting), put);

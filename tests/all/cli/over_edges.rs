@@ -411,6 +411,44 @@ fn turned_cylinders_pass_over_steps_of_a_nanometre() {
     }
 }
 
+/// An upright cylinder slides without friction over a step down, tips over its rim behind the edge and comes down flat on the floor below: it
+/// lands, instead of running around its rim. It keeps its speed along, ends lower by the step, and what its landings took is said.
+#[test]
+fn upright_cylinders_come_down_flat_behind_an_edge() {
+    let (bench, mut random) = (Bench::new(), Random::new(87));
+    for case in 0..16 {
+        let step = 10_f64.powf(random.between(-5.0, -3.5));
+        let (radius, height, speed) = (random.between(0.2, 0.3), 0.04, random.between(1.8, 2.2));
+        let duration = random.between(0.45, 0.6);
+        bench.write(
+            "scene.toml",
+            format!(
+                "simulate = {{ start = \"given\", duration = {duration:?}, tolerance = 1e-8 }}\n\
+                 [[body]]\nname = \"high\"\nshape = {{ box = [20, 20, 1], at = [-9.4, 0, -0.5] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"low\"\nshape = {{ plane = [0, 0, 1], at = [0, 0, {:?}] }}\nhinge = {{ type = \"fixed\" }}\n\
+                 [[body]]\nname = \"load\"\ndensity = 1000\nshape = {{ cylinder = [{radius:?}, {height:?}] }}\n\
+                 hinge = {{ type = \"free\", position = [0, 0, {:?}, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
+                 [[contact]]\nbetween = [\"*\", \"load\"]\n",
+                -step,
+                0.5 * height,
+            ),
+        );
+        let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
+        let (end, velocity) = (&told["final"]["positions"]["load"], &told["final"]["velocities"]["load"]);
+        // Tipping by `step/2r` gives back what it took but for its square.
+        assert!((number(&velocity[0]) - speed).abs() < 1e-3, "case {case}: {velocity} not {speed}");
+        let off = number(&end[2]) - 0.5 * height + step;
+        assert!(off.abs() < 1e-8, "case {case}: {off:e} above the floor");
+        // Some twenty rolls and landings within milliseconds take some hundreds.
+        assert!(number(&told["steps"]) < 2000.0, "case {case}: {} steps", told["steps"]);
+        let mass = 1000.0 * std::f64::consts::PI * radius * radius * height;
+        // It lands with a gap of half of 10⁻⁹ of its size on one side.
+        let size = mass * G * (1e-5 * step + 1e-9 * radius);
+        let drift = number(&told["energy_drift"]);
+        assert!(drift < size, "case {case}: {drift:e} of {size:e} J unaccounted for");
+    }
+}
+
 /// A cylinder on its side slides without friction over a joint that crosses its axis at a small angle: the point where they cross runs along it, from
 /// one end to the other. Its motion is uniform, and costs no more than a few steps.
 #[test]
