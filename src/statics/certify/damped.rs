@@ -10,6 +10,7 @@
 //!
 //! A pair of complex roots is one mode that swings, a real root one that creeps.
 
+use super::eigen;
 use super::modes::{NaturalMode, momentum, scaled, shares};
 use crate::dynamics::{Linearization, System};
 use crate::model::Model;
@@ -121,20 +122,18 @@ fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
         (false, true) => -k[(i - n, j)] / unit,
         (false, false) => -c[(i - n, j - n)],
     });
-    let Ok(eigen) = first_order.eigen() else { return Vec::new() };
-    (0..2 * n)
-        .filter_map(|i| {
-            let root = eigen.S()[i];
-            let size = root.re.hypot(root.im);
-            let root = if size > REAL * unit { root } else { c64::new(0.0, 0.0) };
-            let swings = root.im.abs() > REAL * size;
-            (!swings || root.im > 0.0).then(|| {
-                let root = if swings { root } else { c64::new(root.re, 0.0) };
-                let part = |of: fn(&c64) -> f64| (0..n).map(|row| of(&eigen.U()[(row, i)])).collect::<Vec<f64>>();
-                (root, [part(|x| x.re), part(|x| x.im)])
-            })
+    let Some(pairs) = eigen::pairs(&first_order) else { return Vec::new() };
+    let one_of_each = |(root, vector): (c64, Vec<c64>)| {
+        let size = root.re.hypot(root.im);
+        let root = if size > REAL * unit { root } else { c64::new(0.0, 0.0) };
+        let swings = root.im.abs() > REAL * size;
+        (!swings || root.im > 0.0).then(|| {
+            let root = if swings { root } else { c64::new(root.re, 0.0) };
+            let part = |of: fn(&c64) -> f64| vector[..n].iter().map(of).collect::<Vec<f64>>();
+            (root, [part(|x| x.re), part(|x| x.im)])
         })
-        .collect()
+    };
+    pairs.into_iter().filter_map(one_of_each).collect()
 }
 
 fn named(model: &Model, free: &[usize], root: c64, shape: [Vec<f64>; 2], momenta: &[Vec<f64>; 2]) -> DampedMode {

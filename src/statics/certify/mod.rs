@@ -5,7 +5,7 @@
 //! | `equilibrium` | the equilibrium with its certificate; what is not balanced is named in `unbalanced` |
 //! | `beams` | whether the balance of a beam's elements is one of the beam |
 //! | `stability`, `modes` | how many directions leave it or have zero stiffness, and its natural modes; of large systems in `subspace` |
-//! | `damped` | damped modes |
+//! | `damped` | damped modes, by the pairs of `eigen` |
 //! | `known` | what is known of a stiffness that is small beside its terms |
 //! | `closed` | with loops, drives and gears: motions along the closed positions |
 //! | `bearing` | which stops bear, and the scene in which they do |
@@ -18,6 +18,7 @@ pub(super) mod closed;
 pub(super) mod cone;
 mod copositive;
 pub(super) mod damped;
+mod eigen;
 pub(super) mod equilibrium;
 pub(super) mod falling;
 pub(super) mod known;

@@ -6,6 +6,7 @@
 //! decide.
 
 use super::damped::{self, DampedMode};
+use super::eigen;
 use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
@@ -270,8 +271,8 @@ fn undamped_modes(
 fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<NaturalMode> {
     use faer::linalg::solvers::Solve;
     let n = linear.mass.nrows();
-    let Ok(eigen) = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigen() else { return Vec::new() };
-    let value = |i: usize| eigen.S()[i];
+    let Some(pairs) = eigen::pairs(&linear.mass.partial_piv_lu().solve(&linear.stiffness)) else { return Vec::new() };
+    let value = |i: usize| pairs[i].0;
     let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
     let noise = RATE_NOISE * largest.sqrt();
     let mut modes: Vec<NaturalMode> = (0..n)
@@ -280,7 +281,7 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
             let size = value(i).re.hypot(value(i).im);
             let growth = (0.5 * (size - value(i).re)).max(0.0).sqrt();
             let rate = (0.5 * (size + value(i).re)).max(0.0).sqrt();
-            let shape: Vec<f64> = (0..n).map(|row| eigen.U()[(row, i)].re).collect();
+            let shape: Vec<f64> = pairs[i].1.iter().map(|x| x.re).collect();
             NaturalMode {
                 frequency_hz: if rate > noise { rate / std::f64::consts::TAU } else { 0.0 },
                 growth_rate: if growth > noise { growth } else { 0.0 },
