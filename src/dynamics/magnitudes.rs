@@ -33,6 +33,18 @@ struct Size {
     turn_stiffness: f64,
 }
 
+impl Size {
+    /// A force and a moment that are no difference of larger ones: their round-off is that of their own size.
+    fn add(&mut self, force: f64, moment: f64) {
+        self.force += force;
+        self.moment += moment;
+        self.noise += force;
+        self.noise_moment += moment;
+        self.square += force * force;
+        self.square_moment += moment * moment;
+    }
+}
+
 impl Balanced<'_> {
     /// Sizes of the terms of the balance, at rest or where drives keep their velocity.
     pub fn magnitudes(&self) -> Magnitudes {
@@ -44,15 +56,7 @@ impl Balanced<'_> {
             let turns = moves.angular.norm() + at.angular_velocity.norm_squared();
             let weight = link.mass * (model.gravity.norm() + moves.linear.norm() + turns * at.center.norm());
             let moment = weight * at.center.norm() + turns * at.inertia.trace();
-            sizes[index] = Size {
-                force: weight,
-                moment,
-                noise: weight,
-                noise_moment: moment,
-                square: weight * weight,
-                square_moment: moment * moment,
-                ..Size::default()
-            };
+            sizes[index].add(weight, moment);
         }
         for force in self.system.laws.forces.iter() {
             let part = force.law.magnitude(&self.system.motion.links);
@@ -148,12 +152,7 @@ impl Balanced<'_> {
         let size = &mut sizes[index];
         let force = given.mass * linear + turns * at.first.norm();
         let moment = at.first.norm() * linear + turns * at.inertia.trace();
-        size.force += force;
-        size.moment += moment;
-        size.noise += force;
-        size.noise_moment += moment;
-        size.square += force * force;
-        size.square_moment += moment * moment;
+        size.add(force, moment);
     }
 
     /// Of a flexible element: its own coordinates, and what its slices add to the link of its tip.
@@ -164,12 +163,7 @@ impl Balanced<'_> {
             let (slice, a) = (&given.slices[k], &felt.accelerations[k]);
             let force = slice.mass * (gravity + a.linear.norm()) + slice.length * given.load.norm();
             let moment = force * (given.length - slice.at) + slice.inertia.trace() * a.angular.norm();
-            size.force += force;
-            size.moment += moment;
-            size.noise += force;
-            size.noise_moment += moment;
-            size.square += force * force;
-            size.square_moment += moment * moment;
+            size.add(force, moment);
         }
         for (j, tip) in at.tip.iter().enumerate() {
             let i = link.velocity + j;

@@ -24,6 +24,7 @@
 //! (`parts.rs`), and under weight alone nearly none (`weight.rs`).
 
 mod applied;
+mod block;
 mod eliminate;
 mod hinge;
 mod matrix;

@@ -20,6 +20,11 @@ use crate::integrate::{
     step::stepper::Stepper,
 };
 
+/// A step that would grow by less is kept, and with it the factorization.
+pub(crate) const HOLD_BELOW: f64 = 1.2;
+/// What to do if a fixed step cannot be solved.
+pub(crate) const ADVICE: &str = "shorten the step, or let the method choose it";
+
 /// What such a method does in a step.
 pub(crate) trait Implicit {
     /// Where the run stands.

@@ -46,11 +46,11 @@
 //! M. Arnold, Mech. Mach. Theory 48 (2012) for the manifold.
 
 use crate::integrate::{
-    implicit::Implicit,
     implicit::care::Care,
     implicit::contraction::{Accuracy, Iteration},
     implicit::stage::correct,
     implicit::tangent::{Shift, TangentCache},
+    implicit::{ADVICE, HOLD_BELOW, Implicit},
     problem::{ImplicitProblem, Point},
     step::control::{Controller, Trial},
     step::error::{Limit, StepError},
@@ -67,10 +67,7 @@ const ESTIMATE_ORDER: u8 = 2;
 const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contraction: 0.0 };
 /// The factor of (4).
 const SMALLEST_SHARE: f64 = 0.003;
-/// A step that would grow by less is kept, and with it the factorization.
-const HOLD_BELOW: f64 = 1.2;
 const MAX_ITERATIONS: u32 = 10;
-const ADVICE: &str = "shorten the step, or let the method choose it";
 
 /// Generalized-α on the manifold, order 2, adaptive.
 #[derive(Debug)]

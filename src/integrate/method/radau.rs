@@ -42,12 +42,12 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.5, IV.8.
 
 use crate::integrate::{
-    implicit::Implicit,
     implicit::collocation::Collocation,
     implicit::contraction::Accuracy,
     implicit::filter::{End, filter},
     implicit::splitting::{RADAU_3, RADAU_5, Splitting},
     implicit::stages::{Solution, Stages},
+    implicit::{ADVICE, HOLD_BELOW, Implicit},
     problem::ImplicitProblem,
     step::control::{Controller, Trial},
     step::error::{Limit, StepError},
@@ -69,12 +69,9 @@ const TIGHT: f64 = 1e-10;
 /// What the iterations of all steps leave adds up. Looser tolerances make fewer steps, each of which may leave more, but no
 /// more than so many times that.
 const MOST_LEFT: f64 = 7.0;
-/// A step that would grow by less is kept, and with it the tangents.
-const HOLD_BELOW: f64 = 1.2;
 /// `κ`. Larger ones only make steps shorter whose ends are more exact than the tolerance anyway.
 const ESTIMATE_3: f64 = 1.0 / 5.0;
 const ESTIMATE_5: f64 = 1.0 / 13.0;
-const ADVICE: &str = "shorten the step, or let the method choose it";
 
 /// Radau IIA of 3 or 5 stages: order 5 or 9, L-stable, adaptive.
 #[derive(Debug)]

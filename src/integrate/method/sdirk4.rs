@@ -28,9 +28,9 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.6 (method), IV.8 (practice).
 
 use crate::integrate::{
-    implicit::Implicit,
     implicit::filter::{End, filter},
     implicit::stage::{Newton, Stage},
+    implicit::{ADVICE, HOLD_BELOW, Implicit},
     method::predict::Predictor,
     method::tableau::sdirk4::{A, B, C, CUBES, E, GAMMA, SQUARES},
     problem::{ImplicitProblem, Point},
@@ -49,9 +49,6 @@ use crate::integrate::{
 const SMALLEST_SHARE: f64 = 0.1;
 /// The error estimate is `O(h⁴)`.
 const ESTIMATE_ORDER: u8 = 4;
-/// A step that would grow by less is kept, and with it the factorization.
-const HOLD_BELOW: f64 = 1.2;
-const ADVICE: &str = "shorten the step, or let the method choose it";
 
 /// The SDIRK method of Hairer and Wanner, order 4, L-stable, adaptive.
 #[derive(Debug)]

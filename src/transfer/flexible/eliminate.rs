@@ -1,6 +1,6 @@
 //! The elimination of an element: eqs. (1) to (3).
 
-use super::velocity_terms;
+use super::{eliminate_own, velocity_terms};
 use crate::element::pivot::Pivot;
 use crate::element::{Rod, RodMotion, halves, joined, row};
 use crate::spatial::Wrench;
@@ -79,15 +79,8 @@ impl RodPivot {
             *self.pivot.entry(i, i) += armature;
             *inertia = *self.pivot.entry(i, i);
         }
-        self.pivot.factorize_definite()?;
         self.load.iter_mut().for_each(|load| *load = -*load);
-        self.pivot.forward(&mut self.load, |y, factor, other| *y += factor * other, |y, factor| *y *= factor);
-        let add = |n: &mut Wrench, factor: f64, other: &Wrench| n.add_times(factor, other);
-        self.pivot.forward(&mut self.columns, add, |n, factor| *n = n.times(factor));
-        for (g, y) in self.columns.iter().zip(&self.load) {
-            S.downdate(g, 1.0);
-            e.add_times(*y, g);
-        }
+        eliminate_own(&mut self.pivot, &mut self.load, &mut self.columns, (&mut S, &mut e))?;
         Ok((S, e))
     }
 

@@ -21,6 +21,8 @@ pub(super) use eliminate::RodPivot;
 pub(super) use modal::ModalPivot;
 
 use super::LinkAcceleration;
+use super::element::Reduced;
+use crate::element::pivot::Pivot;
 use crate::element::{Rod, RodMotion, halves};
 use crate::spatial::{Sym3, Wrench};
 use nalgebra::Vector3;
@@ -62,6 +64,29 @@ pub(super) fn follow(
         *out = a;
         before = a;
     }
+}
+
+/// Eliminates an element's own coordinates from what it passes on: with `D = L Lᵀ`, `G = N L⁻ᵀ` and `y = L⁻¹ u` in place of `N` and `u`,
+/// `S ← S − G Gᵀ` and `e ← e + G y`.
+///
+/// # Errors
+/// The pivot that is not positive.
+#[inline]
+fn eliminate_own(
+    pivot: &mut Pivot,
+    load: &mut [f64],
+    columns: &mut [Wrench],
+    (S, e): (&mut Reduced, &mut Wrench),
+) -> Result<(), f64> {
+    pivot.factorize_definite()?;
+    pivot.forward(load, |y, factor, other| *y += factor * other, |y, factor| *y *= factor);
+    let add = |n: &mut Wrench, factor: f64, other: &Wrench| n.add_times(factor, other);
+    pivot.forward(columns, add, |n, factor| *n = n.times(factor));
+    for (g, y) in columns.iter().zip(load) {
+        S.downdate(g, 1.0);
+        e.add_times(*y, g);
+    }
+    Ok(())
 }
 
 /// `b` of a slice: its velocity terms with its weight, less the load on it.

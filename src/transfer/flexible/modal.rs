@@ -10,6 +10,7 @@
 //! (2) are the equations of [`crate::element::modal`]. `Z` of an interface are the twists of its link for unit rates of the coordinates
 //! while the frame stays.
 
+use super::eliminate_own;
 use crate::element::modal::{Modal, ModalMotion};
 use crate::element::pivot::Pivot;
 use crate::spatial::Wrench;
@@ -127,14 +128,7 @@ impl ModalPivot {
             self.inertia[i] = *self.pivot.entry(i, i);
         }
         self.brought.clear();
-        self.pivot.factorize_definite()?;
-        self.pivot.forward(&mut self.load, |y, factor, other| *y += factor * other, |y, factor| *y *= factor);
-        let add = |n: &mut Wrench, factor: f64, other: &Wrench| n.add_times(factor, other);
-        self.pivot.forward(&mut self.columns, add, |n, factor| *n = n.times(factor));
-        for (g, y) in self.columns.iter().zip(&self.load) {
-            S.downdate(g, 1.0);
-            e.add_times(*y, g);
-        }
+        eliminate_own(&mut self.pivot, &mut self.load, &mut self.columns, (&mut S, &mut e))?;
         Ok((S, e))
     }
 

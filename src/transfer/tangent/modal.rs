@@ -8,10 +8,10 @@
 //! ```
 
 use super::At;
+use super::block::Block;
 use super::parts::{Carried, RATES, Varied};
 use super::rod::carry_row;
 use crate::element::modal::Modal;
-use crate::element::pivot::Pivot;
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
@@ -23,16 +23,10 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone)]
 pub(super) struct ModalTangent {
     pub(super) u: Vec<f64>,
-    /// `D⁻¹`, row by row.
-    inverse: Vec<f64>,
     /// `N`, then `N D⁻¹`.
     columns: Vec<(Quad, Quad)>,
     rows: Vec<Varied>,
-    pivot: Pivot,
-    scratch: Pivot,
-    /// Where `D` is negative, the direction in which it is so most.
-    lowest: Vec<f64>,
-    unit: Vec<f64>,
+    block: Block,
     products: Vec<(Quad, Quad)>,
     tips: Vec<Tip>,
     /// A unit of one coordinate, of its rate and of its second rate.
@@ -63,13 +57,9 @@ impl ModalTangent {
         });
         Self {
             u: vec![0.0; m],
-            inverse: vec![0.0; m * m],
             columns: vec![none; m],
             rows: vec![Varied::default(); m],
-            pivot: Pivot::new(m),
-            scratch: Pivot::new(m),
-            lowest: vec![0.0; m],
-            unit: vec![0.0; m],
+            block: Block::new(m),
             products: vec![none; m],
             tips: tips.collect(),
             direction: [0, 1, 2].map(|_| vec![0.0; m]),
@@ -79,7 +69,7 @@ impl ModalTangent {
 
     /// Begins anew: before the first interface.
     pub(super) fn clear(&mut self) {
-        self.pivot.clear();
+        self.block.pivot.clear();
         self.columns.fill((Quad::default(), Quad::default()));
         self.rows.fill(Varied::default());
     }
@@ -101,7 +91,7 @@ impl ModalTangent {
         let carried = (frame, &at.balance.accelerations[link.parent]);
         let swing = here.swing(frame);
         let state = [&moves.q[..], &moves.v, second];
-        let Self { tips, direction, pivot, columns, rows, .. } = self;
+        let Self { tips, direction, block: Block { pivot, .. }, columns, rows, .. } = self;
         let Tip { moved_by, h, z } = &mut tips[tip];
         z.copy_from_slice(&here.columns);
         for (k, j) in moved_by.iter().enumerate() {
@@ -154,7 +144,7 @@ impl ModalTangent {
             S.rate.moment = S.rate.moment.minus_cross_of(Quad::of(&roll));
         }
         for j in 0..m {
-            let pivot = &mut self.pivot;
+            let pivot = &mut self.block.pivot;
             let state = (frame, &b, a);
             let varied = moves.column(given, state, second, (j, at.c1, at.c2), |i, x| *pivot.entry(i, j) += x);
             let column = &mut self.columns[j];
@@ -172,38 +162,14 @@ impl ModalTangent {
     /// Eq. (9).
     fn close<const PARTS: u8>(&mut self, given: &Modal, c1: f64, diagonal: &[f64], S: &mut Carried) -> Option<usize> {
         let m = diagonal.len();
-        let held = |i: usize| diagonal[i].is_infinite();
         for i in 0..m {
             for j in 0..m {
-                *self.pivot.entry(i, j) += given.pivot_entry(i, j, c1);
-                if held(i) || held(j) {
-                    *self.pivot.entry(i, j) = if i == j { 1.0 } else { 0.0 };
-                }
-            }
-            if !held(i) {
-                *self.pivot.entry(i, i) += diagonal[i];
+                *self.block.pivot.entry(i, j) += given.pivot_entry(i, j, c1);
             }
         }
-        let (negative, lowest) = self.pivot.inertia(&mut self.scratch);
-        if let Some(lowest) = lowest {
-            self.lowest.copy_from_slice(&lowest);
-        }
-        if !self.pivot.factorize() {
-            return None;
-        }
+        let negative = self.block.invert(diagonal)?;
         for j in 0..m {
-            self.unit.fill(0.0);
-            self.unit[j] = if held(j) { 0.0 } else { 1.0 };
-            self.pivot.solve(&mut self.unit);
-            (0..m).for_each(|i| self.inverse[i * m + j] = self.unit[i]);
-        }
-        for j in 0..m {
-            let mut sum = (Quad::default(), Quad::default());
-            for (i, (force, moment)) in self.columns.iter().enumerate() {
-                let by = Quad::all(self.inverse[i * m + j]);
-                sum = (by.times_add(*force, sum.0), by.times_add(*moment, sum.1));
-            }
-            self.products[j] = sum;
+            self.products[j] = self.block.solved_column(&self.columns, j);
         }
         self.columns.copy_from_slice(&self.products);
         for (column, row) in self.columns.iter().zip(&self.rows) {
@@ -237,7 +203,7 @@ impl ModalTangent {
         x[..m].fill(0.0);
         for (j, (u, row)) in self.u.iter().zip(&self.rows).enumerate() {
             let felt = u - row.dot::<PARTS>(frame);
-            (0..m).for_each(|i| x[i] += self.inverse[i * m + j] * felt);
+            self.block.add_solution(x, j, felt);
         }
     }
 
@@ -249,7 +215,7 @@ impl ModalTangent {
 
     /// The direction in which `D` is most negative.
     pub(super) fn negative_direction(&self, x: &mut [f64]) {
-        x[..self.lowest.len()].copy_from_slice(&self.lowest);
+        x[..self.block.lowest.len()].copy_from_slice(&self.block.lowest);
     }
 }
 

@@ -12,8 +12,8 @@
 //! ```
 
 use super::At;
+use super::block::Block;
 use super::parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
-use crate::element::pivot::Pivot;
 use crate::element::{Local, Rod, RodMotion, bracket, halves, joined, row};
 use crate::model::Model;
 use crate::spatial::Wrench;
@@ -27,8 +27,6 @@ pub(super) struct RodTangent {
     /// How fast the arm from the parent link changes.
     pub(super) swing: Vector3<f64>,
     pub(super) u: Vec<f64>,
-    /// `D⁻¹`, row by row.
-    inverse: Vec<f64>,
     /// `N`, then `N D⁻¹` as seen at the tip.
     columns: Vec<(Quad, Quad)>,
     rows: Vec<Varied>,
@@ -37,11 +35,7 @@ pub(super) struct RodTangent {
     whole: Vec<Varied>,
     /// `H` of the element as one hinge.
     tip: Vec<Vector6<f64>>,
-    pivot: Pivot,
-    scratch: Pivot,
-    /// Where `D` is negative, the direction in which it is so most.
-    lowest: Vec<f64>,
-    unit: Vec<f64>,
+    block: Block,
 }
 
 /// What eq. (7) needs of a step.
@@ -113,16 +107,12 @@ impl RodTangent {
         Self {
             swing: Vector3::zeros(),
             u: vec![0.0; m],
-            inverse: vec![0.0; m * m],
             columns: vec![(Quad::default(), Quad::default()); m],
             rows: vec![Varied::default(); m],
             step: vec![Varied::default(); m],
             whole: vec![Varied::default(); m],
             tip: vec![Vector6::zeros(); m],
-            pivot: Pivot::new(m),
-            scratch: Pivot::new(m),
-            lowest: vec![0.0; m],
-            unit: vec![0.0; m],
+            block: Block::new(m),
         }
     }
 
@@ -140,7 +130,7 @@ impl RodTangent {
         self.columns.fill((Quad::default(), Quad::default()));
         self.rows.fill(Varied::default());
         self.whole.fill(Varied::default());
-        self.pivot.clear();
+        self.block.pivot.clear();
         self.tip.copy_from_slice(&own.tip);
         let (mut arm, mut swing) = (Vector3::zeros(), Vector3::zeros());
         for k in (1..=given.steps()).rev() {
@@ -185,7 +175,7 @@ impl RodTangent {
             self.columns[j] = (self.columns[j].0 + force, self.columns[j].1 + moment);
             let reached = wrench(self.columns[j].0, self.columns[j].1);
             for i in 0..subspace.len() {
-                *self.pivot.entry(i, j) += self.rows[i].dot::<PARTS>(&self.step[j])
+                *self.block.pivot.entry(i, j) += self.rows[i].dot::<PARTS>(&self.step[j])
                     + row(&subspace[i], &reached)
                     + local.curvature(&gradient, i, j);
             }
@@ -220,39 +210,15 @@ impl RodTangent {
         S: &mut Carried,
     ) -> Option<usize> {
         let m = rod.count();
-        let held = |i: usize| diagonal[i].is_infinite();
         for i in 0..m {
             for (j, k) in rod.stiffness_row(i).iter().enumerate() {
-                *self.pivot.entry(i, j) += (1.0 + rod.damping * c1) * k;
-                if held(i) || held(j) {
-                    *self.pivot.entry(i, j) = if i == j { 1.0 } else { 0.0 };
-                }
-            }
-            if !held(i) {
-                *self.pivot.entry(i, i) += diagonal[i];
+                *self.block.pivot.entry(i, j) += (1.0 + rod.damping * c1) * k;
             }
         }
-        let (negative, lowest) = self.pivot.inertia(&mut self.scratch);
-        if let Some(lowest) = lowest {
-            self.lowest.copy_from_slice(&lowest);
-        }
-        if !self.pivot.factorize() {
-            return None;
-        }
-        for j in 0..m {
-            self.unit.fill(0.0);
-            self.unit[j] = if held(j) { 0.0 } else { 1.0 };
-            self.pivot.solve(&mut self.unit);
-            (0..m).for_each(|i| self.inverse[i * m + j] = self.unit[i]);
-        }
+        let negative = self.block.invert(diagonal)?;
         // The step's memory is free now.
         for j in 0..m {
-            let mut sum = (Quad::default(), Quad::default());
-            for (i, (force, moment)) in self.columns.iter().enumerate() {
-                let by = Quad::all(self.inverse[i * m + j]);
-                sum = (by.times_add(*force, sum.0), by.times_add(*moment, sum.1));
-            }
-            (self.step[j].linear, self.step[j].angular) = sum;
+            (self.step[j].linear, self.step[j].angular) = self.block.solved_column(&self.columns, j);
         }
         for j in 0..m {
             let (force, moment) = (self.step[j].linear, self.step[j].angular);
@@ -279,7 +245,7 @@ impl RodTangent {
         x[..m].fill(0.0);
         for (j, (u, row)) in self.u.iter().zip(&self.rows).enumerate() {
             let felt = u - row.dot::<PARTS>(parent);
-            (0..m).for_each(|i| x[i] += self.inverse[i * m + j] * felt);
+            self.block.add_solution(x, j, felt);
         }
         self.add_to::<PARTS>(x, z);
     }
@@ -291,8 +257,8 @@ impl RodTangent {
     /// The direction in which `D` is most negative, and how the tip varies with it.
     pub(super) fn negative_direction(&self, x: &mut [f64]) -> Varied {
         let mut z = Varied::default();
-        x[..self.lowest.len()].copy_from_slice(&self.lowest);
-        self.add_to::<{ ACCELERATIONS | RATES | PLACES }>(&self.lowest, &mut z);
+        x[..self.block.lowest.len()].copy_from_slice(&self.block.lowest);
+        self.add_to::<{ ACCELERATIONS | RATES | PLACES }>(&self.block.lowest, &mut z);
         z
     }
 }
