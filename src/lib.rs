@@ -112,6 +112,7 @@
 //! | [`formula`] | formulas in named variables with exact derivatives |
 //! | [`quantity`] | numbers with units |
 //! | [`pages`] | lists in large pages of memory |
+//! | [`round_off`] | when a number is only noise |
 //! | [`sparse`] | sparse matrices, factorized in an order that keeps them so |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
@@ -150,6 +151,7 @@ pub mod output;
 pub mod pages;
 pub mod quantity;
 pub mod record;
+pub mod round_off;
 #[cfg(feature = "scenario")]
 pub mod scenario;
 pub mod simulate;

@@ -2,13 +2,11 @@
 
 pub(super) use crate::model::problem::counted as count;
 use crate::model::problem::significant;
+use crate::round_off::SHOWN;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Significant digits without `--digits`.
 pub(super) const USUAL_DIGITS: u8 = 4;
-/// Round-off of a sum of numbers of size one that should cancel.
-pub(super) const ROUND_OFF: f64 = 1e-12;
-
 /// Significant digits of a number in a report, set once by `--digits`.
 static DIGITS: AtomicUsize = AtomicUsize::new(USUAL_DIGITS as usize);
 
@@ -41,7 +39,7 @@ pub(super) fn small(x: f64) -> String {
 
 /// Zero for a number that is round-off of others of size `scale`.
 pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
-    if x.abs() <= ROUND_OFF * scale { 0.0 } else { x }
+    if SHOWN.hides(x, scale) { 0.0 } else { x }
 }
 
 /// Numbers of one column, their decimal points below each other: all of the same width.

@@ -1,6 +1,7 @@
 //! What plots have in common: colours that the colour-blind tell apart (Okabe and Ito), on light and on dark paper, and axes.
 
-use super::number::{ROUND_OFF, number_to, without_noise};
+use super::number::{number_to, without_noise};
+use crate::round_off::SHOWN;
 use clap::ValueEnum;
 use plotters::style::RGBColor;
 
@@ -82,7 +83,7 @@ const MOST_DIGITS: f64 = 17.0;
 pub(super) fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let room = 0.05 * (high - low);
-    let room = if room > 0.05 * ROUND_OFF * high.abs().max(low.abs()) { room } else { 1e-3 * high.abs().max(1.0) };
+    let room = if room > SHOWN.of(0.05) * high.abs().max(low.abs()) { room } else { 1e-3 * high.abs().max(1.0) };
     (low - room, high + room)
 }
 

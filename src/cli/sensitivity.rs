@@ -2,6 +2,7 @@
 
 use super::text::{aligned, number};
 use crate::model::{Description, Model, Parameter};
+use crate::round_off::EQUILIBRIUM;
 use crate::statics::{Equilibrium, Sensitivities, sensitivities};
 use anyhow::anyhow;
 use serde_json::{Map, Value, json};
@@ -10,9 +11,6 @@ use std::sync::Arc;
 
 /// Numbers that are listed for an output; `--json` has all.
 const MOST_LINES: usize = 12;
-
-/// An output that changes by itself if a number changes by this part of itself is round-off: an equilibrium is known to no more.
-const ROUND_OFF: f64 = 1e-12;
 
 /// The sensitivities of outputs by their names to numbers by their addresses; without any to all numbers of the scene.
 ///
@@ -62,7 +60,7 @@ pub(super) fn text(table: &Sensitivities) -> String {
             let share = derivative * value / output.value;
             felt.push((column, derivative, (value != 0.0 && output.value != 0.0).then_some(share)));
         }
-        if felt.iter().any(|(_, _, share)| share.is_some_and(|share| share.abs() * ROUND_OFF > 1.0)) {
+        if felt.iter().any(|(_, _, share)| share.is_some_and(|share| EQUILIBRIUM.of(share.abs()) > 1.0)) {
             felt.iter_mut().for_each(|(_, _, share)| *share = None);
         }
         let size = |share: Option<f64>| share.map_or(-1.0, f64::abs);

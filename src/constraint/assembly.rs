@@ -1,6 +1,6 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
-use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
+use super::close::{Closing, Metric, OpenGap};
 use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, second_frame};
@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::model::couplings::Closure;
 use crate::model::problem::{Element as Place, Problem, counted, number};
 use crate::motion::Motion;
+use crate::round_off;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
 
@@ -170,7 +171,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     let (before, open) = closing.speeds(model, &q, &v);
     // Turns and parts of reaches per second.
     let size = v.iter().fold(1.0 / model.time_scale(), |m, v| m.max(v.abs()));
-    if open > ROUND_OFF * size {
+    if open > round_off::CLOSED.of(size) {
         let yielding = yielding(model, &closing.rows, &given);
         let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
         for Local { columns, rows, rates } in locals(model, &mut closing, &before) {

@@ -18,14 +18,13 @@ use super::{Constraints, Rate, RowSelection};
 use crate::model::Model;
 use crate::model::problem::number;
 use crate::motion::{Motion, displace};
+use crate::round_off::CLOSED;
 use crate::sparse::{Gram, SparseRows};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use crate::transfer::reduce::{Load, Singular};
 use nalgebra::DVector;
 
-/// Gaps below this part of the component's reach are round-off.
-pub(crate) const ROUND_OFF: f64 = 1e-14;
 /// A gap that counts as closed where rows with few digits are redundant.
 const LEFT_OPEN: f64 = 1e-6;
 const FIRST_DAMPING: f64 = 1e-3;
@@ -69,7 +68,7 @@ impl Closer {
     /// Closes `q`; false if a gap is left, or the tree is singular.
     pub(crate) fn close(&mut self, model: &Model, q: &mut [f64]) -> bool {
         let before = self.0.gap(model, q);
-        if before <= ROUND_OFF {
+        if before <= CLOSED.of(1.0) {
             return true;
         }
         let given = q.to_vec();
@@ -187,7 +186,7 @@ impl Closing {
         let mut trial = q.to_vec();
         let (mut exhausted, mut keeps) = (true, false);
         for _ in 0..most {
-            if gap <= ROUND_OFF {
+            if gap <= CLOSED.of(1.0) {
                 exhausted = false;
                 break;
             }

@@ -1,8 +1,10 @@
 //! A symmetric positive definite matrix whose rows start where their first neighbour stands: `L D Lᵀ` in place.
 
+use crate::round_off::ROW_PIVOT;
+
 /// A pivot below this part of its row's own entry is round-off: the row is linearly dependent on those before it. So is an
 /// entry below the square of this part of the row's size: the row has no entries in this position.
-const DEPENDENT: f64 = 1e-14;
+const DEPENDENT: f64 = ROW_PIVOT.of(1.0);
 
 /// The lower half of a symmetric matrix, each row from its first entry to the diagonal.
 #[derive(Debug, Clone, Default)]

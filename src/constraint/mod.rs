@@ -55,7 +55,6 @@ use crate::transfer::tangent::Pull;
 pub use assembly::{Assembly, assemble, closed};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
-pub(crate) use close::ROUND_OFF;
 use component::Lengths;
 use entries::Entries;
 use envelope::Envelope;

@@ -23,6 +23,7 @@ use crate::model::prescribed::Instant;
 use crate::model::{End, Scalar};
 use crate::motion::variation::LinkVariation;
 use crate::motion::{LinkMotion, Motion};
+use crate::round_off::ROW_GAP;
 use crate::spatial::Wrench;
 use crate::spatial::twist::Twist;
 use nalgebra::Vector3;
@@ -223,7 +224,7 @@ impl<'a> Ends<'a> {
 pub(super) fn place_motion(parts: &[(Scalar, f64); 2], q: &[f64], now: &Instant) -> Placed {
     let [first, second] = parts.map(|(scalar, factor)| factor * q[scalar.position]);
     let (gap, terms) = (first + second - now.position, first.abs() + second.abs() + now.position.abs());
-    let gap = if gap.is_finite() && gap.abs() <= f64::EPSILON * terms { 0.0 } else { gap };
+    let gap = if gap.is_finite() && ROW_GAP.hides(gap, terms) { 0.0 } else { gap };
     Placed { gap, drift: -now.velocity, bias: -now.acceleration, ..Placed::default() }
 }
 

@@ -5,11 +5,9 @@ use super::frame::{Column, along};
 use super::pairs::Key;
 use crate::dynamics::{Factorized, System};
 use crate::model::{Model, Side, Stop, StopSide};
+use crate::round_off::ON_A_LIMIT;
 use nalgebra::Vector3;
 use std::sync::Arc;
-
-/// What is left of a displacement onto a limit by rounding (m or rad).
-const ROUNDING: f64 = 1e-12;
 
 /// What bears.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,7 +68,7 @@ pub(crate) fn within_limits(mass: &mut Factorized<'_>, q: &mut [f64]) {
     // What is left is rounding, or what loops and drives do not let go: the run looks at that.
     for stop in rigid() {
         let way = back(stop, q) - q[stop.position];
-        if !model.is_constrained() || way.abs() <= ROUNDING * (1.0 + q[stop.position].abs()) {
+        if !model.is_constrained() || ON_A_LIMIT.hides(way, 1.0 + q[stop.position].abs()) {
             q[stop.position] += way;
         }
     }

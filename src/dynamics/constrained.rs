@@ -1,10 +1,11 @@
 //! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
 use super::{Evaluated, Factorized, Fault, System};
-use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate, RowSelection};
+use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, Rate, RowSelection};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
+use crate::round_off::CLOSED;
 use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
 use crate::transfer::reduce::Load;
@@ -218,7 +219,7 @@ impl System {
         let mut moved = false;
         let Some(constrained) = &self.constraints else { return false };
         // Near a singular position a small gap stands for a large distance.
-        let enough = ROUND_OFF * constrained.rows.clearance().powi(2);
+        let enough = CLOSED.of(constrained.rows.clearance().powi(2));
         let mut gap = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
         for _ in 0..MOST_ROUNDS {
             if gap <= enough {
@@ -253,7 +254,7 @@ impl System {
             let Some(constrained) = &mut self.constraints else { break };
             let now = constrained.rows.largest(&self.motion, Rate::Speed(v), false).relative;
             let size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let enough = ROUND_OFF * size * constrained.rows.clearance().powi(2);
+            let enough = CLOSED.of(size) * constrained.rows.clearance().powi(2);
             if !(now < 0.5 * left) || now <= enough {
                 break;
             }

@@ -10,6 +10,7 @@
 //! (Hestenes & Stiefel 1952) take fewer rounds.
 
 use crate::model::Model;
+use crate::round_off::SPARSE_PIVOT;
 use crate::sparse::{Cholesky, SparseRows};
 use crate::transfer::tangent::{Applied, At, Pair, Pull, Twists};
 
@@ -19,9 +20,6 @@ const CONTRACTS: f64 = 0.3;
 const ROUNDS: usize = 12;
 /// What is left of the step that was taken first: all digits, or what a search needs on its way.
 const LEFT: [f64; 2] = [1e-14, 1e-6];
-/// Round-off of `P` as part of what hinges pass on: within that of zero it does not say what is definite.
-const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
-
 /// What a factorization says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Said {
@@ -74,7 +72,7 @@ impl ByTwists {
             return if self.contracts() { Said::Definite } else { Said::Nothing };
         }
         // Stiffer by more than round-off: still not definite?
-        self.twists.write(&diagonal, ROUND_OFF);
+        self.twists.write(&diagonal, SPARSE_PIVOT.of(1.0));
         match self.cholesky.llt(self.twists.pattern(), self.twists.values()) {
             true => Said::Nothing,
             false => Said::NotDefinite,

@@ -1,6 +1,7 @@
 //! The pivot of a flexible element, m×m with m ≤ 18: factorized in place, no memory asked for.
 
 use super::lu;
+use crate::round_off::BLOCK_PIVOT;
 use nalgebra::DMatrix;
 
 /// A square matrix by rows, then its factors.
@@ -12,9 +13,6 @@ pub struct Pivot {
     order: Vec<usize>,
     x: Vec<f64>,
 }
-
-/// A pivot below this part of its diagonal entry is round-off: it is the difference of numbers of that size.
-const SINGULAR: f64 = 16.0 * f64::EPSILON;
 
 impl Pivot {
     /// Room for m×m numbers, all zero.
@@ -58,7 +56,7 @@ impl Pivot {
                     sum -= self.entries[i * m + k] * self.entries[j * m + k];
                 }
                 if i == j {
-                    if !(sum > SINGULAR) {
+                    if !(sum > BLOCK_PIVOT.of(1.0)) {
                         return Err(sum / (self.scale[j] * self.scale[j]));
                     }
                     self.entries[j * m + j] = sum.sqrt();

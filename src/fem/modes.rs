@@ -17,8 +17,8 @@ const MOST_ROUNDS: usize = 200;
 /// that.
 const SETTLED: f64 = 1e-13;
 
-/// Changes below this part that fall no more are round-off.
-const ROUND_OFF: f64 = 1e-9;
+/// Changes below this part that fall no more will not: the stiffness is known to its round-off only.
+const STALLED: f64 = 1e-9;
 
 /// The lowest `count` modes of `K x = ω² M x`, by columns; `factors` are those of `K`.
 ///
@@ -51,7 +51,7 @@ pub(super) fn lowest(
         let change = |(now, before): (&f64, &f64)| ((now - before) / now).abs();
         let worst = flexible.iter().zip(&before).map(change).fold(0.0, f64::max);
         // Eigenvalues settle no further than their round-off, which is that of the stiffness against its least.
-        let floor = worst < ROUND_OFF && worst > 0.5 * last;
+        let floor = worst < STALLED && worst > 0.5 * last;
         if worst < SETTLED || floor || vectors.len() == n {
             vectors.truncate(count);
             vectors.iter_mut().for_each(|x| straighten(x));

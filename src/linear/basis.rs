@@ -24,8 +24,8 @@ pub(super) struct Basis {
     drives: Vec<usize>,
 }
 
-/// Entries below this part of the largest are round-off of an elimination.
-const ROUND_OFF: f64 = 1e-11;
+/// If no entry that is left is above this part of the largest, the rows that are left are linearly dependent.
+const DEPENDENT: f64 = 1e-11;
 
 impl Basis {
     pub(super) fn new(model: &Model, rows: &Mat<f64>, held: &[usize], inputs: &[Input]) -> Self {
@@ -106,7 +106,7 @@ fn eliminate(table: &mut Mat<f64>, n: usize) -> Vec<(usize, usize)> {
         let open = |i: &usize| pivots.iter().all(|(row, _)| row != i);
         let entries = (0..rows).filter(open).flat_map(|i| (0..n).map(move |j| (i, j)));
         let best = entries.max_by(|a, b| table[*a].abs().partial_cmp(&table[*b].abs()).unwrap_or(Ordering::Equal));
-        let Some((row, column)) = best.filter(|at| table[*at].abs() > ROUND_OFF * largest) else { return pivots };
+        let Some((row, column)) = best.filter(|at| table[*at].abs() > DEPENDENT * largest) else { return pivots };
         let pivot = table[(row, column)];
         (0..all).for_each(|j| table[(row, j)] /= pivot);
         for i in (0..rows).filter(|i| *i != row) {

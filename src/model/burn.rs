@@ -13,12 +13,10 @@ use super::problem::{Element, Problem, number};
 use super::tree::weld;
 use super::{Link, Model};
 use crate::force::timeline::{Between, Timeline};
+use crate::round_off::FORMULA;
 use crate::spatial::link::LinkMotion;
 use crate::spatial::{Principal, Sym3};
 use nalgebra::{Matrix3, Vector3};
-
-/// Masses of one formula may differ by their rounding.
-const ROUNDING: f64 = 1e-12;
 
 /// A body whose mass burns away.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +80,7 @@ pub(super) fn check(description: &Description, row: &mut dyn FnMut(usize, &MassP
             let (mass, time) = (number(burn.rows[bad].mass), number(burn.timeline.times[bad]));
             add("burn.mass", format!("at t = {time} s the mass of `{}` is {mass} kg", burn.body), "allowed: > 0 kg");
         }
-        let grows = |pair: &[MassProperties]| pair[1].mass > (1.0 + ROUNDING) * pair[0].mass;
+        let grows = |pair: &[MassProperties]| pair[1].mass > FORMULA.above(pair[0].mass);
         if let Some(k) = burn.rows.windows(2).position(grows) {
             let [before, after] = [k, k + 1].map(|k| (number(burn.rows[k].mass), number(burn.timeline.times[k])));
             let message = format!(

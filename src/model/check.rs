@@ -8,10 +8,9 @@ use super::problem::{Element, Problem, counted, number};
 use crate::budget::LARGEST;
 use crate::element::guide::Guide;
 use crate::force::{Describe, Report};
+use crate::round_off::WRITTEN;
 use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
-/// How far principal moments may break the triangle inequality, and a matrix symmetry, by rounding: one part in 10⁹.
-const TRIANGLE_SLACK: f64 = 1e-9;
 /// How far a quaternion's norm may be from one: files carry at least six digits.
 const QUATERNION_SLACK: f64 = 1e-6;
 
@@ -96,7 +95,7 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
         found.add(element, "inertia", format!("the inertia of `{name}` is not finite, or too large"), &help);
         return;
     }
-    if (mass.inertia - mass.inertia.transpose()).amax() > TRIANGLE_SLACK * mass.inertia.amax() {
+    if (mass.inertia - mass.inertia.transpose()).amax() > WRITTEN.of(mass.inertia.amax()) {
         found.add(element, "inertia", format!("the inertia of `{name}` is not symmetric"), "xy = yx, xz = zx, yz = zy");
         return;
     }
@@ -104,10 +103,10 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
     let shown = || format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
-    if !unphysical && small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
+    if !unphysical && small < -WRITTEN.of(large.abs().max(f64::MIN_POSITIVE)) {
         let message = format!("the inertia of `{name}` has a negative principal moment: {}", shown());
         found.add(element, "inertia", message, "");
-    } else if !unphysical && large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
+    } else if !unphysical && large > WRITTEN.above(small + middle) {
         let short = 100.0 * (large - small - middle) / large;
         let message = format!(
             "no body can have the inertia of `{name}`: the sum of its two smaller principal moments falls short of the largest by \

@@ -3,11 +3,11 @@
 use super::build::{Place, Places};
 use super::couplings::{Closure, CoordinateName, GearKind, LoopDescription, MotionDescription};
 use super::description::Description;
-use super::point_mass::NO_INERTIA;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, number};
 use super::{End, Link, Model};
 use super::{controller, motor};
+use crate::round_off::{PIVOT, RATIO};
 use crate::suggest;
 use nalgebra::{Matrix3, UnitQuaternion};
 use std::collections::HashMap;
@@ -300,7 +300,7 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
 fn armature(model: &Model, coordinate: &Scalar) -> f64 {
     let link = &model.links[coordinate.link];
     let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.axial_inertia(), link.inertia.trace()) };
-    if own + model.coordinates[coordinate.velocity].armature > NO_INERTIA * whole {
+    if own + model.coordinates[coordinate.velocity].armature > PIVOT.of(whole) {
         return 0.0;
     }
     let subtree = &model.links[coordinate.link..link.subtree_end];
@@ -376,5 +376,5 @@ fn same_pair(one: &[Scalar; 2], other: &[Scalar; 2]) -> bool {
 
 fn agrees(other: &Gear, first: Scalar, ratio: f64) -> bool {
     let same = if other.coordinates[0] == first { other.ratio } else { 1.0 / other.ratio };
-    (same - ratio).abs() <= 1e-12 * ratio.abs()
+    RATIO.hides(same - ratio, ratio.abs())
 }

@@ -2,6 +2,7 @@
 
 use super::{Link, Model, Side, Stop};
 use crate::element::Rod;
+use crate::round_off::ON_A_CURVE;
 
 /// One end of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +20,6 @@ pub struct CurveEnd {
     /// What rounding leaves of it (m).
     pub slack: f64,
 }
-
-/// This part of its length a curve may be left by rounding, of integrals along it among others.
-const ROUNDING: f64 = 1e-12;
 
 impl CurveEnd {
     /// How far a coordinate is beyond it (m).
@@ -42,7 +40,7 @@ pub(super) fn ends(links: &[Link], rods: &[Rod], stops: &[Stop]) -> Vec<CurveEnd
     let of_link = |link: &Link| {
         let [from, to] = rods[link.joint.rod()?].guide()?.range();
         let (body, position, velocity) = (link.body, link.position, link.velocity);
-        let slack = ROUNDING * (to - from);
+        let slack = ON_A_CURVE.of(to - from);
         Some(Side::ALL.map(|side| CurveEnd { body, position, velocity, at: side.of([from, to]), side, slack }))
     };
     let guarded = |end: &CurveEnd| {

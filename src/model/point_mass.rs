@@ -4,12 +4,9 @@
 use super::description::Description;
 use super::problem::{Element, Problem};
 use super::{Joint, Link, Model};
+use crate::round_off::PIVOT;
 use crate::spatial::Sym3;
 use nalgebra::Vector3;
-
-/// Below this part of the sum of its moments a body has no inertia about a line: round-off of the others, as it is to the
-/// sweeps of `transfer`.
-pub(super) const NO_INERTIA: f64 = 4.0 * f64::EPSILON;
 
 pub(super) fn problems(description: &Description, model: &Model) -> Vec<Problem> {
     let links = model.links.iter().enumerate().skip(1);
@@ -21,10 +18,10 @@ pub(super) fn problems(description: &Description, model: &Model) -> Vec<Problem>
 fn resists(model: &Model, link: &Link) -> bool {
     let armature = |i: usize| model.coordinates[link.velocity + i].armature;
     match link.joint {
-        Joint::Turn | Joint::Screw { .. } => link.axial_inertia() + armature(0) > NO_INERTIA * link.inertia.trace(),
+        Joint::Turn | Joint::Screw { .. } => link.axial_inertia() + armature(0) > PIVOT.of(link.inertia.trace()),
         Joint::Ball { .. } => {
             let whole = link.inertia + Sym3::diagonal(Vector3::from([0, 1, 2].map(armature)));
-            whole.inverse().is_some_and(|(_, pivots)| pivots.min() > NO_INERTIA * whole.trace())
+            whole.inverse().is_some_and(|(_, pivots)| pivots.min() > PIVOT.of(whole.trace()))
         }
         Joint::None
         | Joint::Slide { .. }

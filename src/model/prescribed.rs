@@ -3,6 +3,7 @@
 use super::couplings::MotionDescription;
 use crate::formula::{Formula, Jet};
 use crate::model::problem::counted;
+use crate::round_off::FORMULA;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
@@ -41,9 +42,6 @@ pub enum Prescribed {
     /// A formula in [`VARIABLES`].
     Formula(Box<Formula>),
 }
-
-/// A velocity that changes by no more than this part at once goes on: round-off of its formula.
-const JUMP: f64 = 1e-12;
 
 /// What a formula of a motion may use: the time (s).
 pub const VARIABLES: [&str; 1] = ["t"];
@@ -161,7 +159,7 @@ impl Prescribed {
         let Self::Formula(_) = self else { return false };
         let [old, new] = [before, at].map(|time| self.at(time));
         let drift = (at - before) * (old.acceleration.abs() + new.acceleration.abs());
-        (new.velocity - old.velocity).abs() > JUMP * (old.velocity.abs() + new.velocity.abs()) + drift
+        (new.velocity - old.velocity).abs() > FORMULA.of(old.velocity.abs() + new.velocity.abs()) + drift
     }
 
     /// What no step should be longer than (s), where steps could miss what it does: a quarter of a sine, a hundredth of a

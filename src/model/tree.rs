@@ -15,12 +15,10 @@ use crate::element::guide::Guide;
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
+use crate::round_off::UNIT_NORM;
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
-
-/// A quaternion whose norm is this near to one is a unit one: rounding of its four numbers.
-const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// The compiled tree while it grows.
 pub(super) struct Tree<'a> {
@@ -187,7 +185,7 @@ impl<'a> Tree<'a> {
             let given = &mut self.start_position[at..];
             // One that is written with all its digits keeps them.
             let norm = given.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (norm - 1.0).abs() > ROUND_OFF {
+            if (norm - 1.0).abs() > UNIT_NORM.of(1.0) {
                 let unit = quaternion(given);
                 given.copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
             }

@@ -28,11 +28,11 @@ pub enum Measure {
 /// An angle (rad).
 pub const ANGLE: Measure = Measure::Of { base: [0.0; 3], angle: Some(1.0) };
 
-/// Powers are small fractions: what differs less is round-off.
-const ROUND_OFF: f64 = 1e-9;
+/// Powers of units are small fractions: none of them differ by less.
+const SAME_POWER: f64 = 1e-9;
 
 fn alike(a: f64, b: f64) -> bool {
-    (a - b).abs() < ROUND_OFF
+    (a - b).abs() < SAME_POWER
 }
 
 impl From<Dimension> for Measure {
@@ -92,7 +92,7 @@ impl fmt::Display for Measure {
         let Self::Of { base: [kg, m, s], angle } = *self else { return f.write_str("1") };
         let powers = [("kg", kg), ("m", m), ("s", s), ("rad", angle.unwrap_or(0.0))];
         let part = |sign: f64| -> Vec<String> {
-            let wanted = powers.iter().filter(|(_, power)| power * sign > ROUND_OFF);
+            let wanted = powers.iter().filter(|(_, power)| power * sign > SAME_POWER);
             wanted.map(|(symbol, power)| format!("{symbol}{}", raised(power * sign))).collect()
         };
         let (over, under) = (part(1.0), part(-1.0));

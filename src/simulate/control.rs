@@ -5,12 +5,10 @@
 
 use crate::dynamics::System;
 use crate::model::Model;
+use crate::round_off::{TIME, has_come};
 use crate::simulate::error::RunError;
 use crate::simulate::state::State;
 use std::sync::Arc;
-
-/// Times that differ by less than this part are one.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A steady input that differs by more than this part is another one.
 const STEADY: f64 = 1e-9;
@@ -49,7 +47,7 @@ struct Clock {
 impl Clock {
     /// With the first instant at a time (s) or after it.
     fn new(period: f64, begin: f64) -> Self {
-        Self { period, next: (begin / period * (1.0 - ROUNDING) - ROUNDING).ceil() }
+        Self { period, next: (TIME.below(begin / period) - TIME.of(1.0)).ceil() }
     }
 
     fn due(&self) -> f64 {
@@ -58,7 +56,7 @@ impl Clock {
 
     /// Whether it is due at a time; then the next one is.
     fn strikes(&mut self, time: f64) -> bool {
-        let strikes = self.due() <= time * (1.0 + ROUNDING);
+        let strikes = has_come(self.due(), time);
         self.next += f64::from(u8::from(strikes));
         strikes
     }
@@ -102,7 +100,7 @@ impl<'f> Control<'f> {
 
     /// Whether an instant is at this time.
     pub(super) fn is_due(&self, time: f64) -> bool {
-        self.next() <= time * (1.0 + ROUNDING)
+        has_come(self.next(), time)
     }
 
     /// Whether this time was the last instant.
@@ -118,7 +116,7 @@ impl<'f> Control<'f> {
         let Sensed { time, outputs, .. } = sensed;
         self.last = Some(time);
         let all = self.model.controllers.iter().zip(&mut self.clocks).zip(&mut self.memories);
-        for ((controller, clock), memory) in all.filter(|((_, clock), _)| clock.due() <= time * (1.0 + ROUNDING)) {
+        for ((controller, clock), memory) in all.filter(|((_, clock), _)| has_come(clock.due(), time)) {
             clock.strikes(time);
             self.sensed.clear();
             self.sensed.extend(controller.senses.iter().map(|place| outputs[*place]));

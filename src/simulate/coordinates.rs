@@ -6,10 +6,8 @@
 //! ```
 
 use crate::model::Model;
+use crate::round_off::UNIT_NORM;
 use std::ops::Range;
-
-/// The square of a quaternion's norm is one up to the rounding of its four numbers.
-const UNIT: f64 = 8.0 * f64::EPSILON;
 
 /// Coordinates one after the other that step alike.
 enum Run {
@@ -64,7 +62,7 @@ impl Coordinates {
                 let p = &mut q[*at..at + 4];
                 let square = p.iter().map(|x| x * x).sum::<f64>();
                 // What has been normalised stays, so that a state is the same whoever takes it up again.
-                if (square - 1.0).abs() > UNIT {
+                if (square - 1.0).abs() > UNIT_NORM.of(1.0) {
                     let norm = square.sqrt();
                     p.iter_mut().for_each(|x| *x /= norm);
                 }

@@ -26,9 +26,10 @@ use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, StopSide, Watched};
+use crate::round_off::{EVENT_TIME, WATCHED};
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::{Motion, TIMES};
+use crate::simulate::problem::Motion;
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
@@ -38,8 +39,6 @@ use watched::Jump;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.
 const TIME: f64 = 1e-12;
-/// A crossing that was noted is noted again when the number has come back by more than this part of itself.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings in search of an extremum.
 const MOST_HALVINGS: u32 = 50;
 
@@ -247,7 +246,7 @@ impl Events {
                 Function::Reserve(_) => 0.0,
                 Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
                 Function::Breakaway(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
-                Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
+                Function::User(event) => WATCHED.of(model.events[event].value.abs().max(1.0)),
                 Function::Contact(aspect) => motion.contacts.as_ref().map_or(0.0, |contacts| contacts.band(aspect)),
                 Function::Law(boundary) => {
                     let is_speed = motion.switch(time, boundary, &self.state).is_speed;
@@ -425,7 +424,7 @@ impl Events {
             return Ok(None);
         }
         let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
-        let rounding = TIMES * f64::EPSILON * right.abs().max(right - left);
+        let rounding = EVENT_TIME.of(right.abs().max(right - left));
         let width = 0.5 * rounding.max(typical);
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;

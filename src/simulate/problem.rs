@@ -4,6 +4,7 @@ use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
 use crate::model::problem::number;
 use crate::model::{End, Model, StopSide};
+use crate::round_off::{EVENT_TIME, ON_A_LIMIT, SPEED};
 use crate::simulate::contact::Contacts;
 use crate::simulate::coordinates::Coordinates;
 use crate::simulate::error::RunError;
@@ -301,7 +302,7 @@ impl Motion {
             for at in stop.sides() {
                 let side = StopSide { stop: index, at };
                 // What a coordinate moves by in the rounding of time.
-                let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
+                let rounding = EVENT_TIME.of(time.abs()) * state.velocity[stop.velocity].abs();
                 let beyond = !(stop.depth(at, &state.position) <= self.passing(side).max(rounding));
                 if beyond && stop.is_rigid() {
                     let hinge = self.model().bodies[stop.body].name.clone();
@@ -336,12 +337,12 @@ impl Motion {
 
     /// A coordinate this near to a limit is on it (m or rad): rounding of coordinates and times.
     pub(super) fn touching(&self, side: StopSide) -> f64 {
-        ON_THE_LIMIT * self.size(side)
+        ON_A_LIMIT.of(self.size(side))
     }
 
     /// Below this a velocity coordinate is still but for round-off (m/s or rad/s).
     pub(super) fn still(&self, velocity: usize) -> f64 {
-        ON_THE_LIMIT * self.velocity_scales[velocity]
+        SPEED.of(self.velocity_scales[velocity])
     }
 
     /// What has no more than this speed is at rest, for a run of this absolute tolerance (m/s or rad/s).
@@ -377,15 +378,10 @@ impl Motion {
 
 /// A rigid stop that is passed by more than this part of its coordinate is passed.
 const PASSED: f64 = 1e-9;
-/// The time of an event is known to so many of its roundings.
-pub(super) const TIMES: f64 = 8.0;
 /// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
 pub(super) const REST_SPEEDS: f64 = 10.0;
 /// Spherical hinges that slide more slowly than so many speeds of rest have the direction of the last step.
 const SLOW: f64 = 100.0;
-/// A coordinate on its limit is known to this part.
-const ON_THE_LIMIT: f64 = 1e-12;
-
 impl Problem for Motion {
     fn position_count(&self) -> usize {
         self.system.model().position_count()

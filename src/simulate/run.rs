@@ -15,6 +15,7 @@ use crate::model::beam::Wound;
 use crate::model::description::When;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
+use crate::round_off::TIME;
 use crate::simulate::asked::Asked;
 use crate::simulate::checks::pace::EventPace;
 use crate::simulate::choice::Choice;
@@ -42,9 +43,6 @@ const FIXED_STEP: f64 = 0.01;
 
 /// An explicit method that cannot take longer steps is refused (s).
 const SHORTEST_USEFUL_STEP: f64 = 1e-9;
-
-/// Times that differ by less than this part are one.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What a run did.
 #[derive(Debug, Clone)]
@@ -147,7 +145,7 @@ fn end(model: &Model, settings: &Settings) -> f64 {
     let Some(step) = fixed_step(model, settings, method) else { return end };
     let (origin, _) = resumed_grid(settings, step).unwrap_or((begin, 0));
     let on_grid = origin + ((end - origin) / step).round() * step;
-    if (on_grid - end).abs() <= ROUNDING * end.abs() { on_grid } else { end }
+    if TIME.hides(on_grid - end, end.abs()) { on_grid } else { end }
 }
 
 struct Run<'m, 'f> {
@@ -400,7 +398,7 @@ impl Run<'_, '_> {
             self.mark(occurrence, recorder)?;
         }
         // A sample at an instant has what controllers set there.
-        let until = if self.is_due(until) { until * (1.0 - ROUNDING) } else { until };
+        let until = if self.is_due(until) { TIME.below(until) } else { until };
         self.sampler.up_to(motion, &mut self.ledger, stepper, until, recorder, go_on)
     }
 

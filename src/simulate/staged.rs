@@ -25,6 +25,7 @@ use crate::model::problem::{in_one_line, number, significant};
 use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
+use crate::round_off::{ENERGY, TIME, has_come};
 use crate::simulate::asked::Asked;
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
@@ -42,12 +43,6 @@ use nalgebra::{UnitQuaternion, Vector3};
 use relay::{Layout, Relay};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Times that differ by less than this part are one.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// A change of energy below this part of the energies is their rounding.
-const ROUND_OFF: f64 = 1e-13;
 
 /// What closes may be open by this part of the scene's length: what the search for events leaves, many times over.
 const OPEN: f64 = 1e-9;
@@ -216,7 +211,7 @@ impl Staged<'_> {
     /// The stages that come now, `event` being what ended the run so far.
     fn due(&self, event: Option<&str>) -> Vec<usize> {
         let is_due = |when: &When| match when {
-            When::Time(time) => *time <= self.time * (1.0 + ROUNDING),
+            When::Time(time) => has_come(*time, self.time),
             When::Event(name) => event == Some(name),
         };
         self.pending().filter(|(_, stage)| is_due(&stage.when)).map(|(index, _)| index).collect()
@@ -271,7 +266,7 @@ impl Staged<'_> {
         *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
         (self.model, self.state) = (next, state);
         let size = energy.kinetic.abs() + energy.potential.abs() + after.kinetic.abs() + after.potential.abs();
-        let value = if lost.abs() <= ROUND_OFF * size { 0.0 } else { lost };
+        let value = if ENERGY.hides(lost, size) { 0.0 } else { lost };
         let happened = Occurrence { time, kind: Kind::Stage, name, value, speed: 0.0, between: None };
         recorder.event(&Event { time, name: happened.name.clone(), text: happened.to_string() })?;
         self.happened.push(happened);
@@ -352,7 +347,7 @@ pub(super) fn run(
         event.clone_from(&summary.stopped_by);
         let goes_on = match &event {
             Some(name) => !staged.due(Some(name)).is_empty(),
-            None => !summary.interrupted && summary.end_time < end * (1.0 - ROUNDING),
+            None => !summary.interrupted && summary.end_time < TIME.below(end),
         };
         if !goes_on {
             let pending = staged.pending().map(|(_, stage)| (stage.name.clone(), stage.when.clone())).collect();

@@ -2,6 +2,7 @@
 
 use super::Sym3;
 use super::quad::{Columns, Quad};
+use crate::round_off::PRINCIPAL_MOMENT;
 use nalgebra::Vector3;
 
 /// `J = middle 1 + Σ excess u uᵀ` over the axes of the least and the largest moment: turning it turns two axes instead
@@ -25,7 +26,7 @@ impl Principal {
         let part = |i: usize| {
             let excess = eigen.eigenvalues[i] - middle;
             // Round-off of the eigenvalues: the two moments are one.
-            let equal = excess.abs() <= 4.0 * f64::EPSILON * eigen.eigenvalues[order[2]].abs();
+            let equal = PRINCIPAL_MOMENT.hides(excess, eigen.eigenvalues[order[2]].abs());
             (if equal { 0.0 } else { excess }, eigen.eigenvectors.column(i).into_owned())
         };
         let (mut first, mut second) = (part(order[0]), part(order[2]));

@@ -12,6 +12,7 @@
 
 use super::distribution::{BELOW_ONE, standard_normal, standard_normal_below};
 use crate::model::problem::{counted, significant};
+use crate::round_off::WRITTEN;
 use nalgebra::DMatrix;
 
 /// Correlated dimensions and the factor of their matrix.
@@ -22,9 +23,6 @@ pub struct Correlation {
     factor: DMatrix<f64>,
     matrix: DMatrix<f64>,
 }
-
-/// The matrix is symmetric, and 1 on its diagonal, up to what is rounded in files.
-const ROUNDED: f64 = 1e-9;
 
 impl Correlation {
     /// Reads a matrix: a line with the addresses, and a line of numbers for each, separated by commas; the lines may begin
@@ -83,11 +81,11 @@ impl Correlation {
         for (i, name) in names.iter().enumerate() {
             for j in 0..=i {
                 let (here, there) = (matrix[(i, j)], matrix[(j, i)]);
-                if !((here - there).abs() <= ROUNDED) {
+                if !WRITTEN.hides(here - there, 1.0) {
                     return Err(format!("it is not symmetric: {here} and {there} for `{name}` and `{}`", names[j]));
                 }
             }
-            if !((matrix[(i, i)] - 1.0).abs() <= ROUNDED) {
+            if !WRITTEN.hides(matrix[(i, i)] - 1.0, 1.0) {
                 return Err(format!("`{name}` is correlated with itself by {}, and 1 is right", matrix[(i, i)]));
             }
         }

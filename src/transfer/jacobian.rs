@@ -53,6 +53,7 @@ use super::balance::Balance;
 use super::element::Reduced;
 use crate::model::{Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion};
+use crate::round_off::COLUMNS_PIVOT;
 use crate::spatial::Wrench;
 use cause::Cause;
 use lanes::{Field, Load};
@@ -305,9 +306,6 @@ impl Jacobian {
     }
 }
 
-/// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off.
-const SINGULAR: f64 = f64::EPSILON;
-
 impl Carried {
     /// Eq. (5) and (J3) for one coordinate; on failure its pivot.
     fn eliminate(&mut self, axis: Vector3<f64>, arm: Vector3<f64>, kind: Kind, armature: f64) -> Result<Row, f64> {
@@ -330,7 +328,7 @@ impl Carried {
             }
         };
         let D = D + armature;
-        if !(D > SINGULAR * seen && D.is_finite()) {
+        if !(D > COLUMNS_PIVOT.of(seen) && D.is_finite()) {
             return Err(D);
         }
         let inverse = 1.0 / D;

@@ -15,6 +15,7 @@ use super::{LinkAcceleration, along};
 use crate::model::{Halves, Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion, at_once};
 use crate::pages::Pages;
+use crate::round_off::PIVOT;
 use crate::spatial::Wrench;
 use ball::Ball;
 use carried::Carried;
@@ -25,7 +26,7 @@ use std::ops::Range;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
-pub(super) const SINGULAR: f64 = 4.0 * f64::EPSILON;
+pub(super) const SINGULAR: f64 = PIVOT.of(1.0);
 
 /// The pivot of a turn or screw below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
 /// Where such pivots follow each other hardly any may be left: accelerations with one are looked at, and refined where

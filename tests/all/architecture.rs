@@ -17,7 +17,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("markup", &[]),
     ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
-    ("spatial", &[]),
+    ("round_off", &[]),
+    ("spatial", &["round_off"]),
     ("sparse", &[]),
     ("integrate", &[]),
     ("quantity", &["suggest"]),
@@ -26,17 +27,20 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("force", &["spatial"]),
     ("hinge", &[]),
     // `formula` for curves of guided motion.
-    ("element", &["formula", "spatial"]),
+    ("element", &["formula", "spatial", "round_off"]),
     // `budget`, `foreign` and `suggest` for files.
     ("fem", &["budget", "element", "foreign", "sparse", "spatial", "suggest"]),
     // `budget` for the largest number.
-    ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
+    ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest", "round_off"]),
     ("motion", &["element", "model", "pages", "spatial"]),
-    ("transfer", &["element", "model", "motion", "pages", "spatial"]),
-    ("contact", &["dynamics", "model", "motion", "sparse", "spatial"]),
-    ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial"]),
+    ("transfer", &["element", "model", "motion", "pages", "spatial", "round_off"]),
+    ("contact", &["dynamics", "model", "motion", "sparse", "spatial", "round_off"]),
+    ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial", "round_off"]),
     // `budget` for the memory of matrices.
-    ("dynamics", &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
+    (
+        "dynamics",
+        &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial", "round_off"],
+    ),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
@@ -56,10 +60,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "transfer",
             "sparse",
             "spatial",
+            "round_off",
         ],
     ),
     // `element` for the shape of beams.
-    ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file"]),
+    ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file", "round_off"]),
     (
         "simulate",
         // `constraint` for the assembly of what a stage closes, `formula` for what expressions do between two looks, `sparse` for rows
@@ -80,11 +85,12 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "sparse",
             "spatial",
             "suggest",
+            "round_off",
         ],
     ),
     ("simulator", &["integrate", "model", "record", "simulate"]),
     // `model` for the mass properties of solids.
-    ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),
+    ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file", "round_off"]),
     // `force` for the tables of curves.
     (
         "scenario",
@@ -149,6 +155,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "statics",
             "suggest",
             "whole_file",
+            "round_off",
         ],
     ),
     (
@@ -175,6 +182,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "study",
             "suggest",
             "text_file",
+            "round_off",
         ],
     ),
 ];
@@ -337,6 +345,20 @@ fn foreign_crates_stay_where_they_belong() {
         for (name, homes) in FOREIGN {
             let used = text.contains(&format!("use {name}::")) || text.contains(&format!(" {name}::"));
             assert!(!used || homes.contains(&module.as_str()), "{}: `{name}` belongs in {homes:?}", path.display());
+        }
+    }
+}
+
+/// What counts as zero because arithmetic cannot tell is on one page.
+#[test]
+fn round_off_has_one_page() {
+    for (module, path, text) in files().into_iter().filter(|(module, ..)| module != "round_off") {
+        for (at, _) in text.match_indices("const ") {
+            let name: String = text[at + "const ".len()..].chars().take_while(|c| *c != ':').collect();
+            let is_number = text[at..].split('=').next().is_some_and(|start| start.contains(": f64"));
+            let says_so =
+                ["ROUND_OFF", "ROUNDING", "ROUNDED", "NOISE", "EPSILON"].iter().any(|word| name.contains(word));
+            assert!(!(is_number && says_so), "{}: `{name}` of `{module}` belongs in src/round_off.rs", path.display());
         }
     }
 }

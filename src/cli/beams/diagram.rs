@@ -1,13 +1,14 @@
 //! Diagrams of section forces over arc length: `statics --diagram`.
 
 use super::super::frame::{self, Area, px};
-use super::super::number::{ROUND_OFF, exact, without_noise};
+use super::super::number::{exact, without_noise};
 use super::super::output;
 use super::super::palette::{Theme, range, tick};
 use super::super::plot::draw::with_unit;
 use crate::dynamics::DiagramPoint;
 use crate::model::Model;
 use crate::model::contact::fits;
+use crate::round_off::SHOWN;
 use crate::statics::{Equilibrium, diagrams};
 use crate::suggest::closest;
 use anyhow::{Context, bail, ensure};
@@ -131,7 +132,7 @@ impl Diagram<'_> {
         let length = self.points.last().map_or(0.0, |point| point.section.s);
         // Round-off of all forces and moments, as forces.
         let all = (0..6).map(|index| if index < 3 { size(index) } else { size(index) / length }).fold(0.0, f64::max);
-        let noise = |index: usize| ROUND_OFF.sqrt() * all * if index < 3 { 1.0 } else { length };
+        let noise = |index: usize| SHOWN.of(1.0).sqrt() * all * if index < 3 { 1.0 } else { length };
         let curve = |index: &usize| {
             let line =
                 self.points.iter().map(|point| (point.section.s, without_noise(point.section.forces[*index], all)));

@@ -4,8 +4,8 @@ use crate::model::problem::significant;
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
 
-/// Room for numbers that may be outside by round-off.
-const ROUND_OFF: f64 = 1e-9;
+/// How far outside of the axis a number may be and still be drawn at its end.
+const BESIDE: f64 = 1e-9;
 
 /// A range of positive numbers on a logarithmic axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ impl Ranged for Decades {
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
         let most = hint.max_num_points().max(1);
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        let inside = |x: &f64| *x >= self.low * (1.0 - ROUND_OFF) && *x <= self.high * (1.0 + ROUND_OFF);
+        let inside = |x: &f64| *x >= self.low * (1.0 - BESIDE) && *x <= self.high * (1.0 + BESIDE);
         let at = |powers: &mut dyn Iterator<Item = i32>, digits: &[f64]| -> Vec<f64> {
             powers
                 .flat_map(|power| digits.iter().map(move |digit| digit * 10.0_f64.powi(power)))

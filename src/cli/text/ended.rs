@@ -1,10 +1,10 @@
 //! Reports of a run that has ended.
 
-use super::super::number::ROUND_OFF;
 use super::super::output::bold;
 use super::{MOST_LINES, count, duration, more, number, small, times, without_noise};
 use crate::model::Model;
 use crate::model::description::When;
+use crate::round_off::SHOWN;
 use crate::simulate::Summary;
 use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, VerifiedEvents};
@@ -88,7 +88,7 @@ fn energies(model: &Model, summary: &Summary) -> String {
     };
     let is_noise = |energy: &f64| *energy != 0.0 && shown(*energy) == 0.0;
     let floor = match [energy_start, energy_end, energy_drift].iter().any(is_noise) {
-        true => format!(" (0: below the round-off of {} J)", small(ROUND_OFF * scale)),
+        true => format!(" (0: below the round-off of {} J)", small(SHOWN.of(scale))),
         false => String::new(),
     };
     format!(

@@ -13,8 +13,7 @@ const AMPLE: f64 = 100.0;
 /// Loads that are this near to a limit, in parts of themselves, are at the limit: what interior points resolve on
 /// degenerate programs (a harmonic stack at its largest overhang comes out within 3e-9).
 const AT_THE_LIMIT: f64 = 1e-8;
-/// Loads below this part of the largest are its round-off, and those between it and the next cannot be told from it.
-const ROUND_OFF: f64 = 1e-13;
+/// Loads below this part of the largest, and above round-off, cannot be told from it: a program with both may be ill-conditioned.
 const UNEVEN: f64 = 1e-7;
 /// A balance that misses more than this part of the loads is none.
 const BALANCED: f64 = 1e-9;

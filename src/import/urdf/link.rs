@@ -4,10 +4,9 @@ use super::pose::turn;
 use crate::import::draft::Entry;
 use crate::import::log::{Problem, Taken};
 use crate::import::xml::Element;
+use crate::round_off::WRITTEN;
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion};
 
-/// By how much of the largest moment rounding may break what holds for bodies, as a scenario's check allows.
-const ROUNDING: f64 = 1e-9;
 const MOMENTS: [&str; 6] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
 
 /// Mass, centre and inertia out of `<inertial>`; a link without is without mass.
@@ -56,11 +55,11 @@ fn impossible([xx, yy, zz, xy, xz, yz]: [f64; 6], mass: f64) -> Option<String> {
     if mass == 0.0 && large > 0.0 {
         return Some("there is no mass with it".to_owned());
     }
-    if small < -ROUNDING * large.abs().max(f64::MIN_POSITIVE) {
+    if small < -WRITTEN.of(large.abs().max(f64::MIN_POSITIVE)) {
         return Some(format!("its smallest principal moment is {small:e} kg m²"));
     }
     let excess = large - small - middle;
-    (excess > ROUNDING * large.abs()).then(|| {
+    (excess > WRITTEN.of(large.abs())).then(|| {
         let part = 100.0 * excess / large;
         format!("its largest principal moment exceeds the sum of the others by {part:.3} %")
     })

@@ -168,7 +168,7 @@ mod tests {
     const STAGES: std::ops::RangeInclusive<usize> = 2..=6;
 
     /// Sums of up to six terms below 1, of coefficients that are themselves rounded.
-    const ROUNDING: f64 = 1e-14;
+    const SUMS: f64 = 1e-14;
 
     fn moment(weights: &[f64], nodes: &[f64], power: i32) -> f64 {
         weights.iter().zip(nodes).map(|(w, c)| w * c.powi(power)).sum()
@@ -178,7 +178,7 @@ mod tests {
     fn assert_weights(method: &Collocation, order: usize) {
         for k in 1..=order {
             let off = moment(&method.weights, &method.nodes, k as i32 - 1) - 1.0 / k as f64;
-            assert!(off.abs() < ROUNDING, "{order}: B({k}) off by {off:e}");
+            assert!(off.abs() < SUMS, "{order}: B({k}) off by {off:e}");
         }
         let next = moment(&method.weights, &method.nodes, order as i32) - 1.0 / (order + 1) as f64;
         assert!(next.abs() > 1e-8, "{order}");
@@ -189,7 +189,7 @@ mod tests {
         for (row, c) in method.rows.iter().zip(&method.nodes) {
             for k in 1..=method.stages() as i32 {
                 let off = moment(row, &method.nodes, k - 1) - c.powi(k) / f64::from(k);
-                assert!(off.abs() < ROUNDING, "C({k}) off by {off:e}");
+                assert!(off.abs() < SUMS, "C({k}) off by {off:e}");
             }
         }
     }

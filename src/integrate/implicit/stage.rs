@@ -39,7 +39,7 @@ const MAX_ITERATIONS: u32 = 12;
 /// The contraction of another stage is trusted a little less: it counts with this power.
 const TRUST: f64 = 0.8;
 /// Corrections below this many roundings of the state are none.
-pub(crate) const ROUNDINGS: f64 = 8.0;
+pub(crate) const NO_CORRECTION: f64 = 8.0;
 /// Corrections that stall below this many times that are what the rounding of the residual leaves.
 const STALLED: f64 = 32.0;
 /// If the residual rounds worse than the state (trees whose forces cancel), corrections may stall below this part of
@@ -133,7 +133,7 @@ impl Newton {
         let Shift { c1, c2, .. } = shift;
         let fraction = norm.tolerance().sqrt().min(LARGEST_FRACTION);
         place(problem, stage, acceleration, state);
-        let rounding = ROUNDINGS * norm.rounding(state);
+        let rounding = NO_CORRECTION * norm.rounding(state);
         let left = fraction.max(rounding);
         let stalled = self.stalled.max(STALLED * rounding).max(left);
         let accuracy = Accuracy { left, stalled, least_contraction: f64::EPSILON };

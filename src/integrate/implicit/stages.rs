@@ -36,7 +36,7 @@ use crate::integrate::{
     implicit::contraction::{Accuracy, Iteration},
     implicit::history::History,
     implicit::splitting::Splitting,
-    implicit::stage::{ROUNDINGS, Stage, correct, place},
+    implicit::stage::{NO_CORRECTION, Stage, correct, place},
     implicit::tangent::{Shift, TangentCache},
     problem::{ImplicitProblem, Point},
     step::error::Limit,
@@ -169,7 +169,7 @@ impl Stages {
         // wrong by.
         let end = &self.states[s - 1];
         norm.inverse_weights(start, end, &mut self.weights);
-        let rounding = ROUNDINGS * norm.rounding(end);
+        let rounding = NO_CORRECTION * norm.rounding(end);
         let mut iteration = Iteration::new(self.accuracy, MAX_ITERATIONS).patient(s as u32, SLOW.0);
         loop {
             let mut size = 0.0_f64;

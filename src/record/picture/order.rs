@@ -8,16 +8,13 @@
 //! in neither of them, and a median is taken only if each side has faces of its own. Planes are reckoned from corners of their faces: far
 //! from the origin no digits are lost.
 
+use crate::round_off::CORNER;
 use nalgebra::Vector3;
 
 /// Larger sets are halved at a median.
 const SMALL: usize = 48;
 /// Faces whose planes are tried.
 const TRIED: usize = 6;
-/// Corners of pieces are known to this part of the largest coordinate: a few roundings. Within it a point counts as in a plane, or pieces
-/// would be cut again by the planes that they were cut by.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-
 /// A plane convex polygon in axes of the eye: x right, y up, z towards it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Face {
@@ -68,7 +65,7 @@ enum Task {
 /// From the farthest to the nearest. Points nearer to a plane than `tolerance` (m) are in it.
 pub(super) fn back_to_front(faces: Vec<Face>, tolerance: f64) -> Vec<Face> {
     let largest = faces.iter().flat_map(|face| &face.points).map(Vector3::amax).fold(0.0, f64::max);
-    let tolerance = tolerance.max(ROUNDING * largest);
+    let tolerance = tolerance.max(CORNER.of(largest));
     let mut painted = Vec::with_capacity(faces.len());
     let mut tasks = vec![Task::Order(faces)];
     while let Some(task) = tasks.pop() {

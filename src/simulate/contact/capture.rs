@@ -40,8 +40,8 @@ const FOUND: f64 = 0.02;
 const CALM: usize = 10;
 /// A step gains no more than this part of the kinetic energy.
 const GAINED: f64 = 0.01;
-/// Energy gain that is rounding, in parts of the scene's weight over its length.
-const ROUNDING: f64 = 1e-9;
+/// Energy that a step may gain as its forces are found to [`FOUND`] only, in parts of the scene's weight over its length.
+const UNBALANCED: f64 = 1e-9;
 /// What has sunk by more than this part of a shape's size is lost; a longer step than the shortest sinks by no more than a quarter of what
 /// is left to it.
 pub(super) const LOST: f64 = 1e-2;
@@ -136,7 +136,7 @@ impl Capture {
             return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
         };
         let after = system.at(time + step, &made.position, &made.velocity).energies().kinetic;
-        let rounding = ROUNDING * contacts.scale * contacts.model.length_scale();
+        let rounding = UNBALANCED * contacts.scale * contacts.model.length_scale();
         let gained = -made.opposed - GAINED * after - rounding;
         let (found, sinks) = (first.found && made.found, depth - contacts.memory.depth.unwrap_or(0.0));
         Ok(Tried { found, made, error, gained, depth, sinks })

@@ -49,6 +49,7 @@ use crate::dynamics::Fault;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::record::ContactPush;
+use crate::round_off::REBOUND_OF_BODIES;
 use crate::spatial::link::LinkAcceleration;
 pub(super) use capture::Capture;
 pub(super) use decide::Told;
@@ -179,9 +180,6 @@ const SLOW: f64 = 1e-9;
 const STRAIGHT: f64 = 1e-6;
 /// The direction of a slip that turns is kept within a step below this part of the scene's speed.
 const KEPT: f64 = 1e-4;
-/// A rebound that rises by no more than this part of the scene's length is none: some roundings.
-const RISE: f64 = 64.0 * f64::EPSILON;
-
 impl Contacts {
     /// The contacts of a model, none of them closed yet; at the first instant those are whose gap is at most `closing` of a shape's
     /// size.
@@ -206,7 +204,7 @@ impl Contacts {
             regime: Regime::Events,
             stretch: Stretch::default(),
             slow: SLOW * speed,
-            rest: 4.0 * (2.0 * acceleration * RISE * model.length_scale()).sqrt(),
+            rest: 4.0 * (2.0 * acceleration * REBOUND_OF_BODIES.of(model.length_scale())).sqrt(),
             scale: mass * acceleration,
             kept: KEPT * speed,
             carried: Vec::new(),

@@ -5,6 +5,7 @@ use super::{Closed, ContactState, Contacts};
 use crate::contact::frame::{Frame, along};
 use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Factorized, Fault, System};
+use crate::round_off::{CONTACT_GAP, CONTACT_SPEED};
 use crate::spatial::Wrench;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::cell::OnceCell;
@@ -226,7 +227,7 @@ impl Contacts {
             };
             let off: Vec<f64> = self.closed.iter().zip(&self.frames).map(off).collect();
             let size = self.model.length_scale();
-            if rounds == MOST_ROUNDS || !off.iter().any(|off| off.abs() > 1e-13 * size) {
+            if rounds == MOST_ROUNDS || !off.iter().any(|off| off.abs() > CONTACT_GAP.of(size)) {
                 break;
             }
             (moved, rounds) = (true, rounds + 1);
@@ -236,7 +237,7 @@ impl Contacts {
         let rows = self.kept_rows();
         self.choose_again(&mut system.factorized_beside(q, v), &rows);
         let speeds: Vec<f64> = rows.iter().map(|row| self.frames[row.of].speed.dot(&row.measures)).collect();
-        let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let tolerance = CONTACT_SPEED.of(v.iter().fold(0.0, |most: f64, v| most.max(v.abs())));
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
             let answers = self.answers(&mut system.factorized_beside(q, v), &rows);
             let rates = DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u));

@@ -18,8 +18,8 @@ use crate::dynamics::{Factorized, System};
 use crate::model::StopLaw;
 use nalgebra::Vector3;
 
-/// A force below this part of the largest is rounding: then it is the motion that says whether a contact bears.
-const ROUNDING: f64 = 1e-10;
+/// A force below this part of the largest is none: then it is the motion that says whether a contact bears.
+const NO_FORCE: f64 = 1e-10;
 
 impl Contacts {
     /// Stiffness (N/m) and damping (N s/m) of a couple; `None` if it is rigid.
@@ -49,7 +49,7 @@ impl Contacts {
     /// to push: it is the event of that; of one that closes now the motion says it.
     pub(super) fn bears(&self, frame: &Frame, time: f64) -> bool {
         let was = || self.closed.iter().find(|was| was.key == frame.key);
-        self.pressure(frame).is_none_or(|force| match force.abs() <= ROUNDING * self.scale {
+        self.pressure(frame).is_none_or(|force| match force.abs() <= NO_FORCE * self.scale {
             true => was().map_or(frame.speed.x < 0.0, |was| was.pushes == (was.since == time)),
             false => force > 0.0,
         })

@@ -9,10 +9,11 @@
 //! A stretch in which that holds the value is halved, until the expression rises or falls through it all the way, as its rates at some places
 //! on the cubics say, or nothing is left of it.
 
-use super::{Events, ROUNDING};
+use super::Events;
 use crate::formula::Formula;
 use crate::integrate::Stepper;
 use crate::model::{Model, Quantity, Watched};
+use crate::round_off::WATCHED;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
 
@@ -102,7 +103,7 @@ impl Hidden {
         (0..self.watched.len()).any(|index| {
             let (number, value) = self.watched[index];
             let [low, high] = self.ranges[number + 1];
-            let may = low <= value && value <= high && high - low > ROUNDING * value.abs().max(1.0);
+            let may = low <= value && value <= high && high - low > WATCHED.of(value.abs().max(1.0));
             may && !self.passes(number, value)
         })
     }

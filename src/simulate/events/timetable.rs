@@ -9,11 +9,7 @@
 //! most there.
 
 use crate::model::Model;
-
-/// Times that differ by less than this part of the run were meant to be one.
-const SAME: f64 = 1e-12;
-/// So are those that differ by fewer roundings: a rule that holds at one time alone, as that of `sign(t-5)` at 5, begins and ends there.
-const ROUNDINGS: f64 = 4.0;
+use crate::round_off::{MEANT_TIME, TIME};
 
 /// Times that are one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +90,7 @@ fn breaks(mut times: Vec<(f64, bool)>, duration: f64) -> Vec<Break> {
     times.sort_by(|(one, _), (other, _)| one.total_cmp(other));
     let mut breaks: Vec<Break> = Vec::new();
     for (time, formula) in times {
-        let same = (SAME * duration).max(ROUNDINGS * f64::EPSILON * time.abs());
+        let same = MEANT_TIME.of(duration).max(TIME.of(time.abs()));
         match breaks.last_mut() {
             Some(at) if time - at.first <= same => (at.last, at.formula) = (time, at.formula || formula),
             _ => breaks.push(Break { first: time, last: time, formula }),

@@ -1,6 +1,7 @@
 //! The instants of controllers within the time loop: steps end there, and inputs change between two steps.
 
-use super::{ROUNDING, Run};
+use super::Run;
+use crate::round_off::TIME;
 use crate::simulate::control::{Control, Sensed};
 use crate::simulate::error::RunError;
 use crate::simulate::events::Kind;
@@ -15,7 +16,7 @@ impl Run<'_, '_> {
         let next = self.timetable.next(time);
         let instant = self.control.as_ref().map_or(f64::INFINITY, Control::next);
         // What is meant to be one time is.
-        if instant < self.timetable.end(next) * (1.0 - ROUNDING) { instant } else { next }
+        if instant < TIME.below(self.timetable.end(next)) { instant } else { next }
     }
 
     /// Where steps towards the next such time end: at an instant of a controller, on which nothing but the inputs changes.

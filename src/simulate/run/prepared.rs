@@ -2,6 +2,7 @@
 
 use crate::model::Model;
 use crate::record::ContactPush;
+use crate::round_off::ON_A_LIMIT;
 use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
@@ -9,9 +10,6 @@ use crate::simulate::resting;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
 use std::sync::Arc;
-
-/// Rounding of a coordinate on its limit, of one and more.
-const ON_THE_LIMIT: f64 = 1e-12;
 
 /// A run before its first instant: the state at which it begins, and the model as contact holds it.
 pub(super) struct Prepared {
@@ -55,7 +53,7 @@ impl Prepared {
 fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
     for stop in &model.stops {
         let value = start.position[stop.position];
-        let slack = ON_THE_LIMIT * value.abs().max(1.0);
+        let slack = ON_A_LIMIT.of(value.abs().max(1.0));
         if stop.passed(value, slack).is_some() && stop.is_rigid() {
             let hinge = model.bodies[stop.body].name.clone();
             return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });

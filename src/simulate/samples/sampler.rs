@@ -7,6 +7,7 @@ use crate::integrate::Stepper;
 use crate::model::Model;
 use crate::model::beam::Wound;
 use crate::record::{ContactPush, Recorder, Sample};
+use crate::round_off::MEANT_TIME;
 use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
@@ -16,9 +17,6 @@ use std::time::{Duration, Instant};
 
 /// Between samples it is asked this often whether to go on: steps that are full of samples take long.
 const PATIENCE: Duration = Duration::from_millis(50);
-
-/// Times of samples that differ by less than this part are one.
-const ROUNDING: f64 = 1e-12;
 
 /// Samples at equal times, and at the very end.
 pub(in crate::simulate) struct Sampler {
@@ -51,7 +49,7 @@ impl Sampler {
             end,
             count: 0,
             // One that is due at the beginning but for rounding is the first of the run.
-            next: (begin * rate * (1.0 + ROUNDING)).floor() as u64 + 1,
+            next: MEANT_TIME.above(begin * rate).floor() as u64 + 1,
             state: State { position: model.start_position.clone(), velocity: model.start_velocity.clone() },
             accelerations: vec![0.0; n],
             residual: vec![0.0; n],

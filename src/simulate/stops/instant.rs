@@ -26,18 +26,12 @@ use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
 use crate::model::stop::sides;
 use crate::model::{StopLaw, StopSide};
+use crate::round_off::{REBOUND, REBOUND_BESIDE_LOOPS, SPEED};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence, Transition};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
 
-/// A rebound that would rise by less than about this part of the scene's length (1 rad), some roundings of a coordinate, counts as
-/// none: a fall by rounding alone is as fast.
-const ROUNDED_HEIGHT: f64 = 8.0 * f64::EPSILON;
-/// The same beside loops and gears, on which positions are settled to 10⁻¹⁴.
-const SETTLED_HEIGHT: f64 = 32e-14;
-/// Speeds and accelerations below this part of the scene's, or of the largest, are round-off.
-const ROUND_OFF: f64 = 1e-12;
 /// Impacts at one instant; each lets all stops that are approached answer.
 const MOST_IMPACTS: usize = 50;
 /// A row is answered when what is left of its rate is this part of the largest one.
@@ -219,7 +213,7 @@ impl Instant<'_> {
     pub(in crate::simulate) fn round_off(&self, row: usize, of: &[f64], per: f64) -> f64 {
         let (_, scales) = self.motion.scales();
         let largest = of.iter().zip(scales).map(|(x, scale)| x.abs() / scale).fold(per, f64::max);
-        ROUND_OFF * largest * scales[self.coordinate(row).0]
+        SPEED.of(largest) * scales[self.coordinate(row).0]
     }
 
     /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
@@ -227,9 +221,9 @@ impl Instant<'_> {
         let (positions, velocities) = self.motion.scales();
         let model = self.motion.model();
         let speed = velocities[self.coordinate(row).0];
-        let part = if model.is_constrained() { SETTLED_HEIGHT } else { ROUNDED_HEIGHT };
+        let part = if model.is_constrained() { REBOUND_BESIDE_LOOPS } else { REBOUND };
         let Of::Stop(side) = self.rows[row] else { return 0.0 };
-        let height = part * positions[model.stops[side.stop].position];
+        let height = part.of(positions[model.stops[side.stop].position]);
         // At least the scene's own acceleration: what presses may do so later.
         let inward = self.inward[row].max(0.5 * speed / model.time_scale());
         self.slow(self.coordinate(row).0).max((2.0 * inward * height).sqrt())

@@ -36,6 +36,7 @@ use crate::model::parameter::{Field, Quantity};
 use crate::model::problem::number;
 use crate::model::structure::Structure;
 use crate::model::{Model, Parameter, Problem};
+use crate::round_off::OUTPUT;
 use faer::Mat;
 use std::sync::Arc;
 use std::time::Instant;
@@ -43,8 +44,6 @@ use std::time::Instant;
 /// Outputs this near to the aim, in their units, are there: equilibria are known to some 1e-12 of the scene's size, outputs of them
 /// to a hundred times that where the stiffness is bad.
 const AIMED: f64 = 1e-9;
-/// Below this part of their units outputs are round-off, and no step can bring them nearer.
-const ROUND_OFF: f64 = 1e-14;
 /// Singular values below this part of the largest one: sensitivities are proved to 1e-7.
 const RANK: f64 = 1e-7;
 /// Steps; short ones of strongly bent outputs count as others.
@@ -204,7 +203,7 @@ impl Search<'_> {
         let mut trust = Trust { radius, ends: false };
         let mut taught: Option<Mat<f64>> = None;
         for _ in 0..MOST_STEPS {
-            if now.is_within(ROUND_OFF) || !(self.go_on)() {
+            if now.is_within(OUTPUT.of(1.0)) || !(self.go_on)() {
                 break;
             }
             let was_taught = taught.is_some();
@@ -292,7 +291,7 @@ impl Search<'_> {
             let length = step.s.iter().map(|x| x * x).sum::<f64>().sqrt();
             let promised = now.size() - step.left;
             let held = words::at_bound(&step.held, self.sought.unknown, &now.description);
-            if !(promised > ROUND_OFF * now.size()) {
+            if !(promised > OUTPUT.of(now.size())) {
                 return Err(format!("no change of the unknown numbers brings it nearer{held}"));
             }
             let change: Vec<f64> = step.s.iter().zip(&self.scales).map(|(s, scale)| s * scale).collect();

@@ -19,6 +19,7 @@
 //! the rows, and positions are closed after every step. Locks are held by rows too.
 
 use crate::dynamics::{Fault, RowSelection, System};
+use crate::round_off::ENERGY;
 use crate::statics::effort::Iteration;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{FAR, Landscape};
@@ -37,9 +38,6 @@ const POWERS: usize = 2;
 const DIFFERENCE: f64 = 1e-6;
 /// Inertia added to a locked coordinate, in units of what it sees: it stays where it is.
 const HELD: f64 = 1e7;
-/// Rounding of the potential, relative to the largest one so far.
-const ROUNDING: f64 = 1e-13;
-
 /// How the relaxation ended.
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Outcome {
@@ -160,7 +158,7 @@ impl<'l, 's> Motion<'l, 's> {
             };
             let after = self.landscape.potential(&q);
             highest = highest.max(after.abs());
-            if self.landscape.conservative && !(after <= before + ROUNDING * highest) {
+            if self.landscape.conservative && !(after <= before + ENERGY.of(highest)) {
                 self.step *= 0.5;
                 continue;
             }

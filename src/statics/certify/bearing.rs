@@ -14,10 +14,8 @@ use super::modes::NaturalMode;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side, Stop, StopLaw};
+use crate::round_off::ON_A_LIMIT;
 use std::sync::Arc;
-
-/// A coordinate that is further beyond its limit than this (rad, or part of the scene's length) has passed it.
-pub(in crate::statics) const PASSED: f64 = 1e-12;
 
 /// A rigid stop pulls where its load is below this part of the largest force in the balance.
 pub(in crate::statics) const PULLS: f64 = 1e-10;
@@ -34,7 +32,7 @@ pub(in crate::statics) fn unit(model: &Model, velocity: usize) -> f64 {
 
 /// The sides on which a pose is at limits or beyond.
 pub(in crate::statics) fn touching(model: &Model, q: &[f64]) -> Set {
-    let touched = |stop: &Stop| stop.reached(q[stop.position], PASSED * unit(model, stop.velocity));
+    let touched = |stop: &Stop| stop.reached(q[stop.position], ON_A_LIMIT.of(unit(model, stop.velocity)));
     model.stops.iter().map(touched).collect()
 }
 
@@ -47,7 +45,7 @@ pub(in crate::statics) fn bearing_sides<'a>(stops: &'a [Stop], set: &'a Set) -> 
 pub(in crate::statics) fn passed(model: &Model, q: &[f64]) -> Vec<(String, f64, f64)> {
     let beyond = |stop: &Stop| {
         let value = q[stop.position];
-        let slack = PASSED * unit(model, stop.velocity).max(value.abs());
+        let slack = ON_A_LIMIT.of(unit(model, stop.velocity).max(value.abs()));
         let side = stop.passed(value, slack).filter(|_| stop.is_rigid())?;
         Some((model.label(stop.velocity), stop.limit(side), value))
     };

@@ -4,12 +4,11 @@
 //! eigenvalue (Kaplan 2000). Up to [`MOST_ENUMERATED`] rows all submatrices are asked; above, directions are searched for by
 //! projected descent, which proves that there is one when it finds it, and nothing when it does not.
 
+use crate::round_off::EIGENVECTOR;
 use faer::{Mat, Side};
 
 /// Rows up to which all principal submatrices are asked: 2¹⁰ eigenvalue problems.
 pub(in crate::statics) const MOST_ENUMERATED: usize = 10;
-/// An entry of an eigenvector above minus this counts as not negative.
-const ROUND_OFF: f64 = 1e-9;
 /// Steps of the projected descent from each start.
 const DESCENTS: usize = 200;
 
@@ -50,7 +49,7 @@ fn on_face(matrix: &Mat<f64>, set: usize, least: f64) -> Option<Vec<f64>> {
     let (values, vectors) = eigen(&part)?;
     let negative = || vectors.iter().zip(&values).filter(|(_, value)| **value < -least).map(|(v, _)| v);
     let signed = |v: &Vec<f64>| {
-        both_parts(v).into_iter().find(|p| p.iter().zip(v).all(|(p, x)| (p - x.abs()).abs() < ROUND_OFF))
+        both_parts(v).into_iter().find(|p| p.iter().zip(v).all(|(p, x)| (p - x.abs()).abs() < EIGENVECTOR.of(1.0)))
     };
     // Of equal eigenvalues any combination is an eigenvector: the one nearest to equal entries.
     let middle = (0..rows.len()).map(|i| negative().map(|v| v[i] * v.iter().sum::<f64>()).sum()).collect();

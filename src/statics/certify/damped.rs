@@ -14,13 +14,10 @@ use super::eigen;
 use super::modes::{NaturalMode, momentum, scaled, shares};
 use crate::dynamics::{Linearization, System};
 use crate::model::Model;
+use crate::round_off::DOUBLE_ROOT;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 use std::sync::Arc;
-
-/// Imaginary parts below this part of the root are round-off, and roots below this part of the largest: a double root
-/// splits by the square root of the machine precision.
-const REAL: f64 = 1e-7;
 
 /// A damped mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,8 +122,8 @@ fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
     let Some(pairs) = eigen::pairs(&first_order) else { return Vec::new() };
     let one_of_each = |(root, vector): (c64, Vec<c64>)| {
         let size = root.re.hypot(root.im);
-        let root = if size > REAL * unit { root } else { c64::new(0.0, 0.0) };
-        let swings = root.im.abs() > REAL * size;
+        let root = if size > DOUBLE_ROOT.of(unit) { root } else { c64::new(0.0, 0.0) };
+        let swings = root.im.abs() > DOUBLE_ROOT.of(size);
         (!swings || root.im > 0.0).then(|| {
             let root = if swings { root } else { c64::new(root.re, 0.0) };
             let part = |of: fn(&c64) -> f64| vector[..n].iter().map(of).collect::<Vec<f64>>();

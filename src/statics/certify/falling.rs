@@ -31,17 +31,14 @@ use crate::model::problem::number;
 use crate::model::stop;
 use crate::model::{Coordinate, CurveOver, Drive, Model, Motor};
 use crate::motion::Motion;
+use crate::round_off::{EIGENVECTOR, NORMAL_EIGENVALUE};
 use crate::statics::problem::parts::joined;
 use crate::statics::problem::place::BALANCED;
 use faer::{Mat, Side};
 use nalgebra::Vector3;
 
-/// An eigenvalue of `AᵀA` below this part of the largest is zero: what unit axes leave by round-off.
-const FEELS_NOTHING: f64 = 16.0 * f64::EPSILON;
 /// If all eigenvalues are above this part of the largest, a Cholesky factorization says so without computing them.
 const CLEARLY_FEELS: f64 = 1e-9;
-/// A part of the motion that is smaller than this part of its largest one is round-off.
-const MOVES: f64 = 1e-9;
 /// Coordinates of one component beyond which its eigenvectors would take longer than the search.
 const MOST: usize = 400;
 
@@ -310,7 +307,7 @@ impl<'m> Scene<'m> {
         while !columns.is_empty() {
             let motion = self.downhill(&columns)?;
             let largest = motion.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
-            let is_held = |k: usize| motion[k].abs() > MOVES * largest && self.stops(columns[k], motion[k]);
+            let is_held = |k: usize| motion[k].abs() > EIGENVECTOR.of(largest) && self.stops(columns[k], motion[k]);
             let held: Vec<usize> = (0..columns.len()).filter(|k| is_held(*k)).map(|k| columns[k]).collect();
             if held.is_empty() {
                 return self.told(&columns, &motion);
@@ -348,7 +345,7 @@ impl<'m> Scene<'m> {
         let eigen = square.self_adjoint_eigen(Side::Lower).ok()?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         let mut motion = vec![0.0; n];
-        for k in (0..n).filter(|k| values[*k] <= FEELS_NOTHING * n as f64 * largest) {
+        for k in (0..n).filter(|k| values[*k] <= NORMAL_EIGENVALUE.of(n as f64 * largest)) {
             let part: f64 = (0..n).map(|i| vectors[(i, k)] * self.columns[columns[i]].force).sum();
             motion.iter_mut().enumerate().for_each(|(i, d)| *d += part * vectors[(i, k)]);
         }

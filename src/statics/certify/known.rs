@@ -3,7 +3,7 @@
 //! A stiffness `κ = xᵀ K x` along a motion `x` with terms of the size `N = xᵀ diag(Nᵢ) x` errs in two ways:
 //!
 //! ```text
-//! (1)  by the round-off of its terms:        ROUND_OFF · n · N
+//! (1)  by the round-off of its terms:        16 ε · n · N
 //! (2)  by where the equilibrium is:          forces err by φ = Σ |xᵢ| (|fᵢ| + their round-off), so it lies anywhere within
 //!                                            t = φ/|κ| along x, where the stiffness is κ(± t)
 //! (3)  κ(t):  q ⊞ t x, all other motions come to rest there;  S = (Uᵀ (K + U Uᵀ)⁻¹ U)⁻¹ − 1,  U = N X
@@ -15,16 +15,13 @@
 
 use super::stability::{Stability, by_matrices, classify};
 use crate::dynamics::Fault;
+use crate::round_off::{CLOSED_STIFFNESS, FORCE};
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::sizes::{NEUTRAL, comparable, relative, sizes};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-/// Units of round-off that each coordinate adds to a stiffness, in parts of its terms; and of closed positions, which are known to
-/// this part of the scene's length only.
-const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
-const CLOSED: f64 = 1e-12;
 /// How many times the round-off a stiffness has to be.
 const CLEAR: f64 = 4.0;
 /// How far (2) may lead: radians, or part of the scene's length.
@@ -151,8 +148,8 @@ struct Doubt<'a, 's> {
 impl Doubt<'_, '_> {
     /// Whether the stiffness `value` along the motion `x`, the `j`-th in doubt, is more than its errors.
     fn is_known(&mut self, value: f64, x: &[f64], j: usize) -> bool {
-        let closed = if self.landscape.ties.is_some() { CLOSED } else { 0.0 };
-        let round_off = (ROUND_OFF * x.len() as f64).max(closed);
+        let closed = if self.landscape.ties.is_some() { CLOSED_STIFFNESS.of(1.0) } else { 0.0 };
+        let round_off = FORCE.of(x.len() as f64).max(closed);
         if !(value.abs() > CLEAR * round_off) {
             return false;
         }

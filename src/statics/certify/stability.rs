@@ -10,6 +10,7 @@ use super::eigen;
 use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
 use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
+use crate::round_off::DOUBLE_ROOT;
 use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
 use crate::statics::problem::{Across, DENSE, Looked, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
@@ -200,10 +201,6 @@ fn rates(linear: &Linearization) -> Vec<faer::c64> {
     values
 }
 
-/// A real part within this part of the largest rate is round-off: eigenvalues of a defective pair split by the square
-/// root of the machine precision.
-const RATE_NOISE: f64 = 1e-7;
-
 /// How many motions grow, and how many neither grow nor swing.
 pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
     if linear.damping.norm_max() == 0.0 {
@@ -211,7 +208,7 @@ pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usi
     }
     let values = rates(linear);
     let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
-    let limit = RATE_NOISE * largest;
+    let limit = DOUBLE_ROOT.of(largest);
     let unstable = values.iter().filter(|x| x.re > limit).count();
     let neutral = values.iter().filter(|x| x.re.hypot(x.im) <= limit).count();
     (unstable, neutral.div_ceil(2))
@@ -223,7 +220,7 @@ fn count_undamped(linear: &Linearization) -> (usize, usize) {
     let values = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigenvalues().unwrap_or_default();
     let size = |x: &faer::c64| x.re.hypot(x.im);
     let largest = values.iter().map(size).fold(0.0, f64::max).sqrt();
-    let limit = RATE_NOISE * largest;
+    let limit = DOUBLE_ROOT.of(largest);
     // The real part of √(−λ) that is not negative.
     let growth = |x: &faer::c64| (0.5 * (size(x) - x.re)).max(0.0).sqrt();
     let unstable = values.iter().filter(|x| growth(x) > limit).count();
@@ -274,7 +271,7 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
     let Some(pairs) = eigen::pairs(&linear.mass.partial_piv_lu().solve(&linear.stiffness)) else { return Vec::new() };
     let value = |i: usize| pairs[i].0;
     let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
-    let noise = RATE_NOISE * largest.sqrt();
+    let noise = DOUBLE_ROOT.of(largest.sqrt());
     let mut modes: Vec<NaturalMode> = (0..n)
         .map(|i| {
             // s = √(−λ) with the real part that is not negative.

@@ -13,6 +13,7 @@
 //! motions that they leave.
 
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
+use crate::round_off::KRYLOV_EIGENVALUE;
 use crate::statics::problem::bordered::{Rows, hold, solved};
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
 use crate::statics::problem::{Across, Looked};
@@ -29,8 +30,6 @@ const STARTS: usize = 2;
 const MOST_VECTORS: usize = 240;
 /// A mode is found where the part of its image outside the space is below this: eigenvalues are then right to its square.
 const OUTSIDE: f64 = 1e-8;
-/// Round-off of T, as a part of its largest eigenvalue.
-const ROUND_OFF: f64 = 1e-14;
 /// An image of which less is new is within the space.
 const NEW: f64 = 1e-12;
 /// How closely above the last wanted mode modes are counted.
@@ -371,7 +370,7 @@ impl Space {
         let is_known = |(theta, u): &(f64, Vec<f64>)| {
             let row = |i: usize| (0..m).map(|j| entry(i, j) * u[j]).sum::<f64>();
             let outside = (m..self.vectors.len()).map(|i| row(i).powi(2)).sum::<f64>().sqrt();
-            outside <= OUTSIDE * theta + ROUND_OFF * found[0].0
+            outside <= OUTSIDE * theta + KRYLOV_EIGENVALUE.of(found[0].0)
         };
         let known = found.iter().take(looked_at).take_while(|mode| is_known(mode)).count();
         found.iter().all(|(theta, _)| theta.is_finite()).then_some((found, known))

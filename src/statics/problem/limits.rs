@@ -14,9 +14,7 @@ use super::place::{BALANCED, Place};
 use super::{Landscape, Scales};
 use crate::dynamics::{Fault, Magnitudes};
 use crate::model::{Model, Side, Stop};
-
-/// A start that is nearer to a limit than this (rad, or part of the scene's length) stands on it.
-const TOUCHES: f64 = 1e-12;
+use crate::round_off::ON_A_LIMIT;
 
 /// A stop that holds its coordinate and bears nothing.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +95,7 @@ pub(in crate::statics) fn within_limits(model: &Model, q: &[f64]) -> Vec<f64> {
     for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
         let unit = if slides[stop.velocity] { model.length_scale() } else { 1.0 };
         let value = within[stop.position];
-        let slack = TOUCHES * unit.max(value.abs());
+        let slack = ON_A_LIMIT.of(unit.max(value.abs()));
         if let Some(side) = stop.reached(value, slack) {
             within[stop.position] = stop.limit(side);
         }

@@ -32,6 +32,7 @@ use super::certify::falling::{Fall, falling};
 use super::watch::Watch;
 use crate::dynamics::{Fault, Matrices, System, TangentSolver};
 use crate::model::Model;
+use crate::round_off::FORCE;
 use faer::Mat;
 use fence::Fence;
 pub(in crate::statics) use fence::Gate;
@@ -50,9 +51,6 @@ use ties::{Ties, by_sparse_rows};
 const ROUND: f64 = 0.1;
 /// Dense matrices that a search and its certificate hold at once: stiffness, mass, damping, factors and vectors.
 pub(in crate::statics) const DENSE: usize = 6;
-/// Units of round-off that a sum of force terms may err by.
-const ROUNDING: f64 = 16.0;
-
 /// A scene that has moved by this many of its own lengths has left every scale of its own.
 pub(in crate::statics) const FAR: f64 = 1e6;
 
@@ -516,7 +514,7 @@ impl<'s> Landscape<'s> {
         };
         let scales = Scales {
             force: pick(&|i| magnitudes.force[i]),
-            noise: pick(&|i| ROUNDING * f64::EPSILON * magnitudes.noise[i]),
+            noise: pick(&|i| FORCE.of(magnitudes.noise[i])),
             stiffness: pick(&stiffness),
         };
         Ok((force, scales))

@@ -30,16 +30,13 @@ use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
 use crate::dynamics::{Fault, Magnitudes, System, TangentSolver};
 use crate::model::Model;
+use crate::round_off::EXPECTED_FORCE;
 use crate::sparse::SparseRows;
 use faer::Mat;
 use std::sync::Arc;
 
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
-
-/// The residual at an equilibrium is at most so many times the error that is expected of their sum: of scissors of
-/// 3 to 40 stages it was 1.0.
-const ERRORS: f64 = 4.0;
 
 /// Up to so many free coordinates all modes are computed, by matrices; above only the lowest, by sweeps.
 pub(in crate::statics) const MOST_MODES: usize = 64;
@@ -334,7 +331,7 @@ impl Landscape<'_> {
         let noise = motions.felt_size(&errors, &self.metric);
         Scales {
             force: motions.felt_size(&sizes, &self.metric),
-            noise: noise.iter().map(|error| ERRORS * f64::EPSILON * error).collect(),
+            noise: noise.iter().map(|error| EXPECTED_FORCE.of(*error)).collect(),
             stiffness: (0..n).map(stiffness).collect(),
         }
     }

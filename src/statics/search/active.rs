@@ -16,7 +16,8 @@ use super::bounded::borne;
 use super::cascade::{self, Found};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side, Stop};
-use crate::statics::certify::bearing::{self, PASSED, Set, unit};
+use crate::round_off::ON_A_LIMIT;
+use crate::statics::certify::bearing::{self, Set, unit};
 use crate::statics::certify::equilibrium::{Equilibrium, certify};
 use crate::statics::effort::Stage;
 use crate::statics::problem::place::Place;
@@ -83,7 +84,7 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Option<Equilibrium>, Faul
             End::Rests(found) => &found.position,
             End::Fails => return Ok(None),
         };
-        if now.iter().zip(&q).any(|(now, q)| (now - q).abs() > PASSED * now.abs().max(1.0)) {
+        if now.iter().zip(&q).any(|(now, q)| (now - q).abs() > ON_A_LIMIT.of(now.abs().max(1.0))) {
             met.clear();
             met.insert(set.clone());
         }
@@ -106,7 +107,7 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Option<Equilibrium>, Faul
 }
 
 fn slack(model: &Model, stop: &Stop, q: &[f64]) -> f64 {
-    PASSED * unit(model, stop.velocity).max(q[stop.position].abs())
+    ON_A_LIMIT.of(unit(model, stop.velocity).max(q[stop.position].abs()))
 }
 
 /// A stop that bears although it is not in the set, or is in it and pulls, by where the coordinates are: as those of loops that
@@ -140,7 +141,7 @@ fn gates(model: &Model, set: &Set) -> Vec<Gate> {
         };
         let farthest =
             range.iter().filter(|limit| limit.is_finite()).fold(0.0_f64, |most, limit| most.max(limit.abs()));
-        let slack = PASSED * unit(model, stop.velocity).max(farthest);
+        let slack = ON_A_LIMIT.of(unit(model, stop.velocity).max(farthest));
         Some(Gate { stop: index, position: stop.position, range, slack })
     };
     set.iter().enumerate().filter_map(gate).collect()

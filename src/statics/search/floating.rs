@@ -22,8 +22,8 @@ use crate::statics::problem::place::Place;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// An axis is free of what holds a part to this; a second moment below this part of the largest is that of a line.
-const ROUND_OFF: f64 = 1e-9;
+/// Cosines and second moments (beside the largest) below this are zero: an axis is free of what holds a part, a part is a line.
+const FREE: f64 = 1e-9;
 
 /// A balanced place with its floating parts where they were in the guess, if it is balanced there too.
 ///
@@ -181,7 +181,7 @@ impl Part {
                 None => allowed * (before - now),
             };
             let square: Matrix3<f64> = axes.iter().map(|axis| axis * axis.transpose()).sum();
-            let Ok(inverse) = square.pseudo_inverse(ROUND_OFF) else { continue };
+            let Ok(inverse) = square.pseudo_inverse(FREE) else { continue };
             for (link, axis) in carrier.slides.iter().zip(&axes) {
                 step[model.links[*link].velocity] += axis.dot(&(inverse * by));
             }
@@ -194,14 +194,13 @@ impl Part {
             let axes = carrier.slides.iter().map(|link| motion.links[*link].axis);
             let square: Matrix3<f64> = axes.map(|axis| axis * axis.transpose()).sum();
             square
-                .pseudo_inverse(ROUND_OFF)
+                .pseudo_inverse(FREE)
                 .map_or_else(|_| Matrix3::identity(), |inverse| Matrix3::identity() - square * inverse)
         };
         let held: Matrix3<f64> = self.carriers.iter().map(across).sum();
         let eigen = held.symmetric_eigen();
-        let free = (0..3)
-            .filter(|k| eigen.eigenvalues[*k].abs() < ROUND_OFF)
-            .map(|k| eigen.eigenvectors.column(k).into_owned());
+        let free =
+            (0..3).filter(|k| eigen.eigenvalues[*k].abs() < FREE).map(|k| eigen.eigenvectors.column(k).into_owned());
         free.map(|axis: Vector3<f64>| axis * axis.transpose()).sum()
     }
 }
@@ -212,7 +211,7 @@ fn nearest(mixed: &Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
     let (u, v) = (svd.u?, svd.v_t?.transpose());
     let least = (0..3).min_by(|a, b| svd.singular_values[*a].total_cmp(&svd.singular_values[*b]))?;
     let largest = svd.singular_values.max();
-    let many = svd.singular_values.iter().filter(|value| **value > ROUND_OFF * largest).count();
+    let many = svd.singular_values.iter().filter(|value| **value > FREE * largest).count();
     let mut signs = Vector3::repeat(1.0);
     signs[least] = (v * u.transpose()).determinant().signum();
     let turn = v * Matrix3::from_diagonal(&signs) * u.transpose();

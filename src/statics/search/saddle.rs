@@ -8,6 +8,7 @@
 //! single negative pivot will not do in its place: of a strut of 200 links it is hundreds of times less steep, and
 //! leads uphill again within a hundredth of a radian.
 
+use crate::round_off::ENERGY;
 use crate::statics::certify::known::look_closer;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
@@ -24,9 +25,6 @@ const SHORT: f64 = 1e-3;
 const LONGER: f64 = 4.0;
 /// The shortest step of all: what it gains is below the round-off of any potential.
 const SHORTEST: f64 = 1e-9;
-/// Round-off of a potential, relative to its size.
-const ROUND_OFF: f64 = 1e-13;
-
 /// A stiffness below this part of its terms has no sign.
 pub(super) const NO_SIGN: f64 = 1e-13;
 
@@ -74,7 +72,7 @@ pub(in crate::statics) fn downhill(
     // No further than loops close again.
     let whole: Vec<f64> = direction.iter().map(|d| radius / size * d).collect();
     let whole_part = 1.0 / landscape.stretch(&place.q, &whole).max(1.0);
-    let round_off = ROUND_OFF * (potential.abs() + landscape.stirred(place));
+    let round_off = ENERGY.of(potential.abs() + landscape.stirred(place));
     let mut lowest = WayOut { step: Vec::new(), potential };
     let mut part = SHORT;
     while part <= 1.0 {

@@ -27,6 +27,7 @@ use super::krylov::Krylov;
 use super::progress::Progress;
 use super::saddle::{NO_SIGN, WayOut, downhill, way_out};
 use crate::dynamics::Fault;
+use crate::round_off::ENERGY;
 use crate::statics::certify::cone;
 use crate::statics::certify::falling::Fall;
 use crate::statics::effort::Iteration;
@@ -270,7 +271,7 @@ impl Search<'_, '_> {
         let mut q = self.landscape.moved(&place.q, x);
         let mut potential = self.landscape.potential(&q);
         // Below the round-off of the potential, and along zero-stiffness motions, the forces can tell.
-        let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
+        let round_off = ENERGY.of(self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let mut ratio = match tiny {
             true => self.worth_by_forces(x, linear, &q)? / predicted,

@@ -14,7 +14,8 @@ use super::free::search_free;
 use super::{Search, active, bounded};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side, StopLaw};
-use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, load, touching, unit, with};
+use crate::round_off::ON_A_LIMIT;
+use crate::statics::certify::bearing::{PULLS, Set, finish, held, load, touching, unit, with};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::problem::Landscape;
 use crate::statics::settings::{Method, Want};
@@ -132,7 +133,7 @@ fn revised(
     for (index, side) in next.iter_mut().enumerate() {
         let stop = &model.stops[index];
         let value = found.position[stop.position];
-        let slack = PASSED * unit(model, stop.velocity).max(value.abs());
+        let slack = ON_A_LIMIT.of(unit(model, stop.velocity).max(value.abs()));
         if let Some(bears) = *side {
             let pulls = match stop.law {
                 StopLaw::Rigid { .. } => load(stop, bears, &found.position, &held) < -PULLS * sizes[stop.velocity],

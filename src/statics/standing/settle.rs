@@ -22,6 +22,7 @@ use crate::dynamics::System;
 use crate::model::Model;
 use crate::model::problem::number;
 use crate::motion::Motion;
+use crate::round_off::{CONTACT_GAP, ENERGY};
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
 use crate::statics::settings::Settings;
@@ -46,8 +47,6 @@ const LITTLE: f64 = 1e-7;
 /// Toint, "Trust-region methods", 2000, 6.1).
 const WORTH: f64 = 0.05;
 const RATIOS: [f64; 2] = [0.25, 0.75];
-/// A gap below this part of the scene's length is rounding of positions.
-const ROUNDING: f64 = 1e-13;
 /// After steps below this part of the scene's length impulses are found to the last digits.
 const NEAR: f64 = 1e-5;
 /// Impulses are found to this part of the largest then, before that to a thousand times as much in a tenth of the sweeps.
@@ -223,7 +222,7 @@ impl Search<'_, '_> {
             let ratio = next.as_ref().map_or(-1.0, |next| self.fall(place, &step, next) / step.predicted);
             // Below rounding of the forces there is nothing to compare.
             let borne: f64 = step.forces.iter().map(|force| force.norm()).sum();
-            let noise = ROUNDING * (borne * self.model.length_scale() + stirred(place, &step.x));
+            let noise = ENERGY.of(borne * self.model.length_scale() + stirred(place, &step.x));
             let slight = step.predicted.abs() <= noise;
             // What is left is rounding if it is little, and a shorter step magnifies it less.
             let little = self.sigma_size(&step.x) <= LITTLE * pull(place, &self.landscape.metric);
@@ -319,8 +318,7 @@ impl Search<'_, '_> {
 
     /// What a step may use up of a gap: nothing of its rounding, and of a deep overlap what it can take back (m).
     fn way(&self, gap: f64) -> f64 {
-        let rounding = ROUNDING * self.model.length_scale();
-        if gap.abs() <= rounding { 0.0 } else { gap.max(-0.25 * self.longest) }
+        if CONTACT_GAP.hides(gap, self.model.length_scale()) { 0.0 } else { gap.max(-0.25 * self.longest) }
     }
 
     /// What may bear within a step from a pose.

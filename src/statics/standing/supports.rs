@@ -5,14 +5,12 @@ use crate::contact::frame::column_of;
 use crate::contact::support::{self, Cone, RimSupport, Supports, Undecided};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side};
+use crate::round_off::LOAD;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// A coordinate this near to a limit touches it: part of the scene's length, or rad.
 const TOUCHES: f64 = 1e-9;
-/// A load below this part of the forces that cancel in it is their rounding.
-const ROUNDING: f64 = 1e-12;
-
 /// A load of strains of beams below this part is: they are known to the balance that they have settled to.
 const SETTLED: f64 = 1e-8;
 
@@ -153,7 +151,7 @@ fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     let (mut system, mut residual) = (System::new(model), rest.clone());
     let sizes = system.at(0.0, pose, &rest).residual(&rest, &mut residual)?.magnitudes().force;
     let mut load = load(model, pose)?;
-    let mut least: Vec<f64> = sizes.iter().map(|size| ROUNDING * size).collect();
+    let mut least: Vec<f64> = sizes.iter().map(|size| LOAD.of(*size)).collect();
     for link in model.links.iter().filter(|link| link.joint.is_flex()) {
         let own = link.velocity..link.velocity + link.joint.counts().1;
         let largest = sizes[own.clone()].iter().fold(0.0, |most: f64, size| most.max(*size));

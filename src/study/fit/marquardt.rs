@@ -30,7 +30,7 @@ const SHORT: f64 = 1e-12;
 /// A sum of squares that would fall by less than this part of itself is the least.
 const FLAT: f64 = 1e-15;
 /// Sums of squares that differ by less than this part are one.
-const ROUND_OFF: f64 = 1e-12;
+const SAME_SUM: f64 = 1e-12;
 /// Searches that may follow each other, each of which lowers the sum of squares by more than this part of itself.
 const MOST_SEARCHES: usize = 30;
 const WORTH: f64 = 1e-9;
@@ -186,7 +186,7 @@ impl Place<'_> {
             };
             if predicted <= FLAT * cost {
                 let least = *damping <= 1.0;
-                return Ok(match there.filter(|there| least && there.norm_squared() <= (1.0 + ROUND_OFF) * cost) {
+                return Ok(match there.filter(|there| least && there.norm_squared() <= (1.0 + SAME_SUM) * cost) {
                     Some(there) => Next::Last(moved, there),
                     None => Next::None(least),
                 });

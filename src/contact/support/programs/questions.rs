@@ -2,7 +2,8 @@
 
 use super::super::exchange::MOST_EXCHANGES;
 use super::super::{Certificate, Cone, Least, Limit, Standing, Supports, Undecided, Verdict};
-use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Scaled, UNEVEN};
+use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, Scaled, UNEVEN};
+use crate::round_off::SUPPORT_LOAD;
 
 /// Below this part of it friction is not what holds.
 const NONE: f64 = 1e-9;
@@ -70,7 +71,7 @@ impl Supports {
             .load
             .iter()
             .map(|load| load.abs())
-            .filter(|load| *load > ROUND_OFF)
+            .filter(|load| *load > SUPPORT_LOAD.of(1.0))
             .fold(1.0, f64::min);
         if least < UNEVEN {
             return Err(Undecided::Uneven { ratio: least });
