@@ -13,7 +13,7 @@ use stillpoint::dynamics::{Coefficients, System, TangentSolver};
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::scenario;
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 use stillpoint::statics;
 
 /// The call that ends the second thread of `two_threads`.
@@ -181,7 +181,7 @@ fn implicit_step(c: &mut Criterion) {
         group.throughput(Throughput::Elements(n as u64));
         group.bench_function(BenchmarkId::new("sdirk4", n), |b| {
             let ready = || {
-                let mut motion = Motion::new(&model);
+                let mut motion = Equations::new(&model);
                 let stepper = Method::Sdirk4.start(&mut motion, &options, start).unwrap();
                 (motion, stepper)
             };

@@ -5,7 +5,7 @@
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axis = [0.0, 1.0, 0.0];
@@ -17,7 +17,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         .body(link("lower", HingeDescription::revolute(axis).on("upper", [0.0, 0.0, -1.0])));
     let model = Model::build(&scene).map_err(|problems| format!("{problems:?}"))?;
 
-    let mut motion = Motion::new(&model);
+    let mut motion = Equations::new(&model);
     let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 2.0 };
     let options = Options { relative: 1e-9, absolute: 1e-11, ..Options::default() };
     let mut stepper = Method::Dop853.start(&mut motion, &options, start)?;

@@ -60,7 +60,7 @@
 //! | read a scenario file | [`scenario::load`] |
 //! | find and judge an equilibrium | [`statics::equilibrium()`] |
 //! | evaluate accelerations and reactions | [`dynamics::System::at`] |
-//! | step an integrator by hand | [`simulate::problem::Motion`] |
+//! | step an integrator by hand | [`simulate::problem::Equations`] |
 //! | run and record | [`simulate::run`], [`record::RecordingFile`] |
 //! | read a recording | [`record::Recording`], [`record::Table`] |
 //!

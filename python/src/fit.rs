@@ -7,8 +7,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stillpoint::scenario::{Override, Scenario};
-use stillpoint::study::fit::table::Table;
-use stillpoint::study::fit::{Adjusted, Question, Trouble, fit};
+use stillpoint::study::fit::table::MeasuredTable;
+use stillpoint::study::fit::{Adjusted, FitQuestion, Trouble, fit};
 
 /// The parameters of a fit: `"address=start,low..high"` in a list, or a dictionary of addresses, each with `None`, a start, or
 /// `(start, low, high)`.
@@ -61,10 +61,10 @@ pub(crate) fn of_scene<'py>(
     let python = py.import("stillpoint._fit")?;
     let columns: Columns<'py> = python.call_method1("columns", (data,))?.extract()?;
     let columns = columns.into_iter().map(|(name, values)| (name, values.as_array().iter().copied().collect()));
-    let table = Table::new(columns.collect()).map_err(PyValueError::new_err)?;
+    let table = MeasuredTable::new(columns.collect()).map_err(PyValueError::new_err)?;
     let given = asked.deviations.iter().flat_map(|given| given.iter());
     let deviations = given.map(|(name, value)| Ok((name.extract::<String>()?, value.extract::<f64>()?)));
-    let question = Question {
+    let question = FitQuestion {
         parameters: adjusted(asked.parameters)?,
         run: asked.run,
         deviations: deviations.collect::<PyResult<_>>()?,

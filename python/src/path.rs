@@ -83,7 +83,7 @@ impl Path {
 }
 
 impl Branch {
-    fn branch(&self) -> &path::Branch {
+    fn branch(&self) -> &path::PathBranch {
         &self.of.get().found.branches[self.index]
     }
 

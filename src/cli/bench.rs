@@ -8,7 +8,7 @@ use crate::dynamics::ensemble::WIDTH;
 use crate::dynamics::{AccelerationJacobians, Coefficients, Fault, System, TangentSolver};
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::statics::settings::Margin;
 use crate::statics::{answer, equilibrium};
 use anyhow::Context;
@@ -231,7 +231,7 @@ fn allocated(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<Alloc
 /// Requests for memory in one step of the default method, from the second step on.
 fn per_step(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<f64> {
     const STEPS: usize = 4;
-    let mut motion = Motion::new(model);
+    let mut motion = Equations::new(model);
     let start = Start {
         time: 0.0,
         position: &model.start_position,

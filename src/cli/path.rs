@@ -10,7 +10,7 @@ use crate::record::scene::Channel;
 use crate::record::{Energy, Opening, Outcome, Recorder, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
-use crate::statics::path::{Branch, End, Path, PathPoint, Settings, follow};
+use crate::statics::path::{BranchEnd, Path, PathBranch, PathPoint, PathSettings, follow};
 use crate::whole_file::WholeFile;
 use anyhow::Context;
 use serde_json::{Value, json};
@@ -46,7 +46,7 @@ impl Place {
 /// A path, and where its files are.
 pub(super) struct Followed {
     pub(super) path: Path,
-    settings: Settings,
+    settings: PathSettings,
     coordinate: Coordinate,
     files: Vec<PathBuf>,
 }
@@ -54,7 +54,7 @@ pub(super) struct Followed {
 /// Follows the path of a scenario and writes PREFIX.path.csv, .svg and .mcap.
 pub(super) fn main(
     scenario: &Scenario,
-    settings: &Settings,
+    settings: &PathSettings,
     model: &Arc<Model>,
     common: &Common,
     prefix: Option<&std::path::Path>,
@@ -92,7 +92,7 @@ pub(super) fn main(
 }
 
 /// The coordinate that was asked for, else what moves most among hinge coordinates and the tips of beams.
-fn coordinate(settings: &Settings, model: &Model, path: &Path) -> Coordinate {
+fn coordinate(settings: &PathSettings, model: &Model, path: &Path) -> Coordinate {
     let positions = |body: &crate::model::Body| {
         let one = |(i, (name, unit)): (usize, &(&str, &'static str))| Coordinate {
             at: Place::Position(body.hinge.position + i),
@@ -227,7 +227,7 @@ impl Followed {
             }
             value
         };
-        let branch = |branch: &Branch| {
+        let branch = |branch: &PathBranch| {
             json!({
                 "parent": branch.parent.map(|(index, at)| json!({ "branch": index, "point": at })),
                 "end": output::bare(&end(branch)),
@@ -308,15 +308,15 @@ impl Followed {
 }
 
 /// How a branch ends, in words.
-fn end(branch: &Branch) -> String {
+fn end(branch: &PathBranch) -> String {
     match &branch.end {
-        End::Range => "at an end of the range".to_owned(),
-        End::Closed => "where it began".to_owned(),
-        End::Stop { hinge, limit, lifts: false } => format!("on the stop of {hinge} at {}", text::number(*limit)),
-        End::Stop { hinge, limit, lifts: true } => {
+        BranchEnd::Range => "at an end of the range".to_owned(),
+        BranchEnd::Closed => "where it began".to_owned(),
+        BranchEnd::Stop { hinge, limit, lifts: false } => format!("on the stop of {hinge} at {}", text::number(*limit)),
+        BranchEnd::Stop { hinge, limit, lifts: true } => {
             format!("where {hinge} lifts off its stop at {}", text::number(*limit))
         }
-        End::Points => "after as many points as were asked for".to_owned(),
-        End::Lost(reason) => format!("lost: {reason}"),
+        BranchEnd::Points => "after as many points as were asked for".to_owned(),
+        BranchEnd::Lost(reason) => format!("lost: {reason}"),
     }
 }

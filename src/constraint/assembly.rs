@@ -4,10 +4,10 @@ use super::close::{Closing, Metric, OpenGap};
 use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, second_frame};
-use super::{Constraints, Element, RowSelection};
+use super::{Constraints, RowGroup, RowSelection};
 use crate::model::Model;
 use crate::model::couplings::Closure;
-use crate::model::problem::{Element as Place, Problem, counted, number};
+use crate::model::problem::{Element, Problem, counted, number};
 use crate::motion::Motion;
 use crate::round_off;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -84,7 +84,7 @@ fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
             "the start is a singular position: around it the mechanism has fewer ways to move than there".to_owned(),
         );
     }
-    let left_out = |element: &Element| element.rows.clone().filter(|row| !ranking.independent[*row]).count();
+    let left_out = |element: &RowGroup| element.rows.clone().filter(|row| !ranking.independent[*row]).count();
     let redundant = rows.elements.iter().map(|element| (element.name.clone(), left_out(element), element.rows.len()));
     let redundant: Vec<_> = redundant.filter(|(_, left_out, _)| *left_out > 0).collect();
     let rank = ranking.independent.iter().filter(|row| **row).count();
@@ -197,7 +197,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         let message = format!("no velocities agree with the drives {driven} and the loops at the start");
         let help = "at this position the driven hinge cannot move the way it is asked to (a dead centre?)".to_owned();
         let field = "type".to_owned();
-        return Err(vec![Problem { element: Place::Drive(0), field, message, help: Some(help) }]);
+        return Err(vec![Problem { element: Element::Drive(0), field, message, help: Some(help) }]);
     }
     model.start_velocity = v;
     Ok(())
@@ -273,19 +273,19 @@ fn undetermined(model: &Model, link: usize) -> Problem {
     let body = model.links[link].body;
     let name = &model.bodies[body].name;
     Problem {
-        element: Place::Body(body),
+        element: Element::Body(body),
         field: "inertia".to_owned(),
         message: format!("the hinge of `{name}` has no inertia to accelerate while the loops are closed"),
         help: Some("a point mass on its own axis needs `inertia`, or the hinge an `armature`".to_owned()),
     }
 }
 
-fn place_of(owner: Owner) -> Place {
+fn place_of(owner: Owner) -> Element {
     match owner {
-        Owner::Loop(index) => Place::Loop(index),
-        Owner::Drive(index) => Place::Drive(index),
-        Owner::Gear(index) => Place::Gear(index),
-        Owner::Held(_) => Place::Scene,
+        Owner::Loop(index) => Element::Loop(index),
+        Owner::Drive(index) => Element::Drive(index),
+        Owner::Gear(index) => Element::Gear(index),
+        Owner::Held(_) => Element::Scene,
     }
 }
 
@@ -370,7 +370,7 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut V
 }
 
 /// Whether the axes of a loop stand against each other instead of together.
-fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
+fn is_turned_over(element: &RowGroup, model: &Model, motion: &Motion) -> bool {
     let Owner::Loop(index) = element.owner else { return false };
     let closed = &model.loops[index];
     let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
@@ -385,7 +385,7 @@ fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
 
 /// Drives of a motion that others already prescribe.
 fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
-    let dependent = |element: &&Element| matches!(element.owner, Owner::Drive(_)) && !independent[element.rows.start];
+    let dependent = |element: &&RowGroup| matches!(element.owner, Owner::Drive(_)) && !independent[element.rows.start];
     let others: Vec<&str> = rows
         .elements
         .iter()

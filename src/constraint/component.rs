@@ -13,7 +13,7 @@
 //! small or large compared with: the round-off of a gap is that of the way it is summed over.
 
 use super::row::{Ends, Rule};
-use super::rows::Element;
+use super::rows::RowGroup;
 use crate::model::Model;
 use crate::motion::Motion;
 
@@ -37,7 +37,7 @@ impl Lengths {
 }
 
 /// The links whose coordinates move the ends of an element against each other.
-pub(super) fn between_ends(model: &Model, element: &Element) -> Vec<usize> {
+pub(super) fn between_ends(model: &Model, element: &RowGroup) -> Vec<usize> {
     let named = element.named.iter().copied().filter(|link| *link != 0);
     let mut links: Vec<usize> = element.branches.iter().flatten().copied().chain(named).collect();
     if model.modals.is_empty() {
@@ -61,7 +61,7 @@ pub(super) fn members(of: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Of every element the first one of its component.
-pub(super) fn components(model: &Model, elements: &[Element]) -> Vec<usize> {
+pub(super) fn components(model: &Model, elements: &[RowGroup]) -> Vec<usize> {
     let inner: Vec<Vec<usize>> = elements.iter().map(|element| between_ends(model, element)).collect();
     sharing(&inner, model.links.len())
 }
@@ -92,13 +92,13 @@ pub(super) fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
 }
 
 /// The lengths of every element's component, where `motion` is.
-pub(super) fn lengths(model: &Model, elements: &[Element], rules: &[Rule], motion: &Motion) -> Vec<Lengths> {
+pub(super) fn lengths(model: &Model, elements: &[RowGroup], rules: &[Rule], motion: &Motion) -> Vec<Lengths> {
     let own: Vec<Lengths> = elements.iter().map(|element| of_element(element, rules, model, motion)).collect();
     of_components(model, elements, &own)
 }
 
 /// The levers of every element: its component's, and that of its own hinges (m).
-pub(super) fn levers(model: &Model, elements: &[Element], rules: &[Rule], motion: &Motion) -> Vec<[f64; 2]> {
+pub(super) fn levers(model: &Model, elements: &[RowGroup], rules: &[Rule], motion: &Motion) -> Vec<[f64; 2]> {
     let own: Vec<Lengths> = elements.iter().map(|element| of_element(element, rules, model, motion)).collect();
     let shared = of_components(model, elements, &own);
     let lever = |(own, shared): (&Lengths, &Lengths)| match own.lever > NO_LEVER * own.reach {
@@ -108,7 +108,7 @@ pub(super) fn levers(model: &Model, elements: &[Element], rules: &[Rule], motion
     own.iter().zip(&shared).map(lever).collect()
 }
 
-fn of_components(model: &Model, elements: &[Element], own: &[Lengths]) -> Vec<Lengths> {
+fn of_components(model: &Model, elements: &[RowGroup], own: &[Lengths]) -> Vec<Lengths> {
     let of = components(model, elements);
     let mut found = vec![Lengths::default(); elements.len()];
     own.iter().zip(&of).for_each(|(own, first)| found[*first] = found[*first].max(*own));
@@ -132,7 +132,7 @@ fn of_components(model: &Model, elements: &[Element], own: &[Lengths]) -> Vec<Le
     of.into_iter().map(|first| found[first]).collect()
 }
 
-fn of_element(element: &Element, rules: &[Rule], model: &Model, motion: &Motion) -> Lengths {
+fn of_element(element: &RowGroup, rules: &[Rule], model: &Model, motion: &Motion) -> Lengths {
     let Some(ends) = &element.ends else {
         // Metres per radian of a rack or a screw.
         let ratio = |rule: &Rule| match rule {

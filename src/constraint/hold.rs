@@ -39,7 +39,7 @@ impl Constraints {
         }
         self.place(model, motion, q, false);
         let independent = self.independent_now(model, motion);
-        let element_counts = |element: &rows::Element| element.rows.clone().any(|row| independent[row]);
+        let element_counts = |element: &rows::RowGroup| element.rows.clone().any(|row| independent[row]);
         let counts: Vec<bool> = self.elements[elements..].iter().map(element_counts).collect();
         if counts.contains(&false) {
             // Without a row nothing asks whether they are where they are held.

@@ -1,7 +1,7 @@
 //! Rows and their multipliers apart from the tree: for reports, files, and equations in other coordinates.
 
 use super::component::between_ends;
-use super::{Constraints, Element, Rule, plan};
+use super::{Constraints, RowGroup, Rule, plan};
 use crate::model::{End, Model};
 
 /// An independent row apart from the tree: for equations in other coordinates.
@@ -68,7 +68,7 @@ impl Constraints {
     /// Loops and gears with rows that others stand for: name, how many, of how many. Their reactions are not unique.
     pub fn redundant(&self) -> Vec<(String, usize, usize)> {
         let kept = self.kept();
-        let left_out = |element: &Element| element.rows.clone().filter(|row| !kept[*row]).count();
+        let left_out = |element: &RowGroup| element.rows.clone().filter(|row| !kept[*row]).count();
         let all = self.elements.iter().map(|element| (element.name.clone(), left_out(element), element.rows.len()));
         all.filter(|(_, left_out, _)| *left_out > 0).collect()
     }

@@ -1,7 +1,7 @@
 //! What rows push on links and hinges; of redundant rows, the least that balances.
 
 use super::row::{Ends, Rule};
-use super::{Constraints, Element, Envelope, Owner};
+use super::{Constraints, Envelope, Owner, RowGroup};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::motion::variation::LinkVariation;
@@ -35,7 +35,7 @@ pub struct LoopReaction {
 
 impl Constraints {
     /// Calls `push` with every row that may push, and its element.
-    fn each_pushing(&self, mut push: impl FnMut(&Element, usize)) {
+    fn each_pushing(&self, mut push: impl FnMut(&RowGroup, usize)) {
         if self.is_shared {
             self.elements.iter().for_each(|element| element.rows.clone().for_each(|row| push(element, row)));
         } else {
@@ -105,14 +105,14 @@ impl Constraints {
 
     /// Power that drives put in at the last solution (W), with the accelerations that belong to it.
     pub fn power(&self, model: &Model, accelerations: &[f64]) -> f64 {
-        let speed = |(element, _): (&Element, usize)| -self.placed[element.rows.start].drift;
+        let speed = |(element, _): (&RowGroup, usize)| -self.placed[element.rows.start].drift;
         self.driven().map(speed).zip(self.drive_pushes(model, accelerations)).map(|(speed, push)| speed * push).sum()
     }
 
     /// What drives push with at the last solution, in the order of the model (N or N m), with the accelerations that belong to
     /// it: the multipliers without what the drives' own armatures take.
     pub(crate) fn drive_pushes(&self, model: &Model, accelerations: &[f64]) -> impl Iterator<Item = f64> {
-        let push = |(element, index): (&Element, usize)| {
+        let push = |(element, index): (&RowGroup, usize)| {
             let drive = &model.drives[index];
             self.multipliers[element.rows.start] - drive.armature * accelerations[drive.coordinate.velocity]
         };
@@ -120,7 +120,7 @@ impl Constraints {
     }
 
     /// Rows of drives, and their indices in the model.
-    fn driven(&self) -> impl Iterator<Item = (&Element, usize)> {
+    fn driven(&self) -> impl Iterator<Item = (&RowGroup, usize)> {
         self.elements.iter().filter_map(|element| match element.owner {
             Owner::Drive(index) => Some((element, index)),
             _ => None,
@@ -258,7 +258,7 @@ impl Constraints {
         let push = |(row, x): &(usize, f64)| (x / self.weights[*row]).abs();
         let most = stress.iter().map(push).fold(0.0, f64::max);
         let is_in =
-            |element: &&Element| stress.iter().any(|one| element.rows.contains(&one.0) && push(one) > PART * most);
+            |element: &&RowGroup| stress.iter().any(|one| element.rows.contains(&one.0) && push(one) > PART * most);
         self.elements.iter().filter(is_in).map(|element| element.name.clone()).collect()
     }
 
@@ -282,7 +282,7 @@ impl Constraints {
 
     /// What the loops pass, after [`Constraints::share`] and with all rows placed where the motion is.
     pub(crate) fn loop_reactions(&self, model: &Model, motion: &Motion) -> Vec<LoopReaction> {
-        let of_loop = |element: &Element| {
+        let of_loop = |element: &RowGroup| {
             let (Owner::Loop(index), Some(ends)) = (element.owner, &element.ends) else { return None };
             let mut sum = Wrench::ZERO;
             for row in element.rows.clone() {

@@ -64,7 +64,7 @@ use nalgebra::Vector3;
 use plan::{Plan, Run};
 pub(crate) use row::Rule;
 use row::{Ends, Placed, place_motion, power};
-pub use rows::{Element, Owner};
+pub use rows::{Owner, RowGroup};
 pub use selection::{HeldRow, RowSelection};
 use std::sync::Arc;
 
@@ -72,7 +72,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Constraints {
     /// Loops, drives, gears, in this order; then coordinates that are held.
-    elements: Vec<Element>,
+    elements: Vec<RowGroup>,
     /// How many of them are the model's own, and which of their rows are solved for: coordinates held on stops come and go.
     own: usize,
     independent: Vec<bool>,
@@ -235,7 +235,7 @@ impl Constraints {
     }
 
     /// Loops, drives, gears, in this order.
-    pub fn elements(&self) -> &[Element] {
+    pub fn elements(&self) -> &[RowGroup] {
         &self.elements
     }
 
@@ -260,7 +260,7 @@ impl Constraints {
     pub(crate) fn place(&mut self, model: &Model, motion: &Motion, q: &[f64], all: bool) {
         let Self { elements, rules, placed, plan, time, .. } = self;
         let mut place = |index: usize, rows: &mut dyn Iterator<Item = usize>| {
-            let element: &Element = &elements[index];
+            let element: &RowGroup = &elements[index];
             match &element.ends {
                 Some(ends) => {
                     let ends = Ends::of(ends, &element.branches, motion);
@@ -414,7 +414,7 @@ impl Constraints {
     /// The largest rate of the rows beside their components; of all rows or of those solved for.
     pub(crate) fn largest(&self, motion: &Motion, rate: Rate<'_>, all: bool) -> Largest {
         let mut largest = Largest::default();
-        let mut look = |element: &Element, row: usize| {
+        let mut look = |element: &RowGroup, row: usize| {
             let value = self.rate(row, element.links(), motion, rate).abs();
             let relative = self.relative(row, value);
             if relative > largest.relative || relative.is_nan() {
@@ -506,7 +506,7 @@ impl Constraints {
     }
 
     /// Which element a row belongs to.
-    pub(crate) fn element_of(&self, row: usize) -> Option<&Element> {
+    pub(crate) fn element_of(&self, row: usize) -> Option<&RowGroup> {
         self.elements.iter().find(|element| element.rows.contains(&row))
     }
 }

@@ -177,7 +177,7 @@ impl Constraints {
     }
 }
 
-impl super::Element {
+impl super::RowGroup {
     /// What is chosen before what.
     fn class(&self) -> usize {
         match self.owner {

@@ -25,7 +25,7 @@ pub enum Owner {
 
 /// A loop, drive, gear or held coordinate and its rows.
 #[derive(Debug, Clone)]
-pub struct Element {
+pub struct RowGroup {
     /// What it is.
     pub owner: Owner,
     /// What messages call it: ``loop `coupler-ground` ``.
@@ -41,7 +41,7 @@ pub struct Element {
     held: Instant,
 }
 
-impl Element {
+impl RowGroup {
     /// The links of both ends of a loop.
     pub(super) fn links(&self) -> Option<[usize; 2]> {
         self.ends.as_ref().map(|ends| [ends[0].link, ends[1].link])
@@ -70,7 +70,7 @@ pub(super) fn branches(model: &Model, mut a: usize, mut b: usize) -> [Vec<usize>
 }
 
 /// The links from the ends of an element to the root, tips first; the ground is left out.
-pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
+pub(super) fn way(model: &Model, element: &RowGroup) -> Vec<usize> {
     let [mut a, mut b] = element.links().unwrap_or(element.named);
     let mut way = Vec::new();
     // Parents have lower indices than their children.
@@ -83,7 +83,7 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
 }
 
 /// Elements and rows of a selection; and the positions as given.
-pub(super) fn of_model(model: &Model, selection: &RowSelection) -> (Vec<Element>, Vec<Rule>, Motion) {
+pub(super) fn of_model(model: &Model, selection: &RowSelection) -> (Vec<RowGroup>, Vec<Rule>, Motion) {
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
@@ -99,7 +99,7 @@ pub(super) fn of_model(model: &Model, selection: &RowSelection) -> (Vec<Element>
         let ends = Some(closed.ends);
         let branches = branches(model, closed.ends[0].link, closed.ends[1].link);
         let owner = Owner::Loop(index);
-        elements.push(Element { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
+        elements.push(RowGroup { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
     }
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
         of_motion((owner, name), parts, held, &mut elements, &mut rules);
@@ -121,13 +121,13 @@ fn of_motion(
     (owner, name): (Owner, String),
     parts: [(Scalar, f64); 2],
     held: Instant,
-    elements: &mut Vec<Element>,
+    elements: &mut Vec<RowGroup>,
     rules: &mut Vec<Rule>,
 ) {
     let rows = rules.len()..rules.len() + 1;
     rules.push(Rule::Motion { parts });
     let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
-    elements.push(Element { owner, name, rows, ends: None, branches: [Vec::new(), Vec::new()], named, held });
+    elements.push(RowGroup { owner, name, rows, ends: None, branches: [Vec::new(), Vec::new()], named, held });
 }
 
 /// Adds a row for each coordinate that is held, and three for each ball, which is held as it stands at `given`.
@@ -135,7 +135,7 @@ pub(super) fn hold(
     model: &Model,
     held: &[HeldRow],
     given: &Motion,
-    elements: &mut Vec<Element>,
+    elements: &mut Vec<RowGroup>,
     rules: &mut Vec<Rule>,
 ) {
     for held in held {
@@ -150,12 +150,12 @@ pub(super) fn hold(
 }
 
 /// The rows of a ball that is held.
-fn of_ball(model: &Model, link: usize, given: &Motion, elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+fn of_ball(model: &Model, link: usize, given: &Motion, elements: &mut Vec<RowGroup>, rules: &mut Vec<Rule>) {
     let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
     let first = rules.len();
     let turned = given.links[link].turn.transpose() * given.links[parent].turn;
     rules.extend(turns_together(&Matrix3::identity(), &turned));
-    elements.push(Element {
+    elements.push(RowGroup {
         owner: Owner::Held(velocity),
         name: format!("held {}", model.label(velocity)),
         rows: first..rules.len(),

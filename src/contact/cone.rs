@@ -52,7 +52,7 @@ impl Law {
 
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum State {
+pub(crate) enum ConeState {
     Open,
     Stick,
     Slip,
@@ -73,7 +73,7 @@ pub(crate) struct Answer {
     pub(crate) forces: Vec<Vector3<f64>>,
     /// w
     pub(crate) rates: Vec<Vector3<f64>>,
-    pub(crate) states: Vec<State>,
+    pub(crate) states: Vec<ConeState>,
     /// Largest change of a force in the last sweep, in parts of the largest force.
     pub(crate) change: f64,
     pub(crate) sweeps: usize,
@@ -103,7 +103,7 @@ impl Problem {
         let mut all = Answer {
             forces: vec![Vector3::zeros(); n],
             rates: self.rates.clone(),
-            states: vec![State::Open; n],
+            states: vec![ConeState::Open; n],
             change: 0.0,
             sweeps: 0,
         };
@@ -174,7 +174,7 @@ impl Problem {
         let n = self.rates.len();
         let own: Vec<Own> = (0..n).map(|i| self.alone(i)).collect();
         let mut forces = forces.to_vec();
-        let mut states = vec![State::Open; n];
+        let mut states = vec![ConeState::Open; n];
         let (mut change, mut sweeps, mut attempt) = (f64::INFINITY, 0, FIRST_ATTEMPT);
         while sweeps < most && change > tolerance {
             let (mut moved, mut largest, mut steady) = (0.0_f64, f64::MIN_POSITIVE, true);
@@ -205,7 +205,7 @@ impl Problem {
     }
 
     /// The force and the state of a contact by (2) with the forces of all others.
-    fn answer(&self, i: usize, own: &Own, forces: &[Vector3<f64>]) -> (Vector3<f64>, State) {
+    fn answer(&self, i: usize, own: &Own, forces: &[Vector3<f64>]) -> (Vector3<f64>, ConeState) {
         let mut rate = self.rates[i];
         self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
         local(&own.block, &own.inverse, &rate, &self.laws[i], &forces[i])
@@ -248,7 +248,7 @@ mod tests {
             let (f, w) = (found.forces[0], found.rates[0]);
             assert!(f.x >= 0.0 && w.x >= -1e-9 && f.x * w.x <= 1e-9, "case {case}: {found:?}");
             assert!(f.yz().norm() <= 0.5 * f.x * (1.0 + 1e-9), "case {case}: {found:?}");
-            assert!(found.states[0] != State::Stick || w.norm() < 1e-6 * rate.norm(), "case {case}: {found:?}");
+            assert!(found.states[0] != ConeState::Stick || w.norm() < 1e-6 * rate.norm(), "case {case}: {found:?}");
         }
     }
 
@@ -328,11 +328,11 @@ mod tests {
             for i in 0..n {
                 let (f, w) = (found.forces[i], found.rates[i]);
                 match found.states[i] {
-                    State::Open => assert!(f == Vector3::zeros() && w.x >= -1e-9, "case {case}: {found:?}"),
-                    State::Stick => {
+                    ConeState::Open => assert!(f == Vector3::zeros() && w.x >= -1e-9, "case {case}: {found:?}"),
+                    ConeState::Stick => {
                         assert!(w.amax() < 1e-9 && f.yz().norm() <= friction * f.x + 1e-9, "case {case}: {found:?}")
                     }
-                    State::Slip => {
+                    ConeState::Slip => {
                         let against = f.yz() + friction * f.x * w.yz().normalize();
                         // A slip that has hardly begun has a direction to rounding of its rate.
                         let rounding = 1e-9 / w.yz().norm();

@@ -150,7 +150,7 @@ pub fn linearize(
     let mut linear = at.linearize(&a)?;
     press(model, place, &mut linear);
     let basis = Basis::new(model, &rows, &place.held, inputs);
-    let mut motion = Equations::new(model, place, &linear, &basis, inputs)?;
+    let mut motion = StateMatrices::new(model, place, &linear, &basis, inputs)?;
     if place.multipliers.is_none() && tied {
         // Rows that turn while the scene accelerates: by the Jacobian of the accelerations that they allow.
         let (by_position, _) = at.acceleration_jacobians()?;
@@ -184,14 +184,14 @@ fn press(model: &Model, place: &Place, linear: &mut Linearization) {
 }
 
 /// (1) and (2), solved for the accelerations.
-struct Equations {
+struct StateMatrices {
     a: Mat<f64>,
     b: Mat<f64>,
     /// Accelerations of all hinge coordinates: by each state, then by each input.
     answers: Mat<f64>,
 }
 
-impl Equations {
+impl StateMatrices {
     fn new(
         model: &Model,
         place: &Place,
@@ -305,7 +305,7 @@ fn tell(
     place: &Place,
     a: &[f64],
     basis: &Basis,
-    motion: &Equations,
+    motion: &StateMatrices,
     inputs: &[Input],
     asked: Option<&[String]>,
 ) -> Result<Told, LinearError> {

@@ -117,7 +117,7 @@ pub struct Scenario {
     /// What may move while a pose with friction or contact stands.
     pub margin: statics::settings::Margin,
     /// The path that is followed, if one is asked for.
-    pub path: Option<statics::path::Settings>,
+    pub path: Option<statics::path::PathSettings>,
     /// What is asked of the recording.
     pub record: record::Settings,
     /// The models of other programs that it takes.

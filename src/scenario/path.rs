@@ -7,11 +7,11 @@ use super::unknown::is_guess;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::{Description, Model};
 use crate::quantity::Dimension;
-use crate::statics::path::Settings;
+use crate::statics::path::PathSettings;
 use toml::Spanned;
 
 /// The path that is asked for; `None` if there is none, or too little of it can be read.
-pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Numbers) -> Option<Settings> {
+pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Numbers) -> Option<PathSettings> {
     let table = scenario.table("statics")?.table("path")?;
     let refuse = |key: &str, message: String, help: Option<String>| {
         table.findings.push(Finding::error(table.span_of(key), message).maybe_help(help));
@@ -44,7 +44,7 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Num
     if let Some(outside) = at.iter().find(|at| !(from.min(to)..=from.max(to)).contains(*at)) {
         refuse("at", format!("{outside} is not between {from} and {to}"), None);
     }
-    Some(Settings {
+    Some(PathSettings {
         parameter: table.text("parameter")?.to_owned(),
         coordinate: coordinate(&table, description),
         numbers,

@@ -22,7 +22,7 @@
 use crate::integrate::{Method, Stepper};
 use crate::model::Model;
 use crate::model::problem::number;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::settings::{Integrator, Settings, Start};
 use crate::simulate::stiffness::fastest;
 
@@ -93,7 +93,7 @@ impl Choice {
     }
 
     /// Looks at the last step; true where another method goes on from here.
-    pub(super) fn review(&mut self, motion: &mut Motion, stepper: &dyn Stepper<Motion>) -> bool {
+    pub(super) fn review(&mut self, motion: &mut Equations, stepper: &dyn Stepper<Equations>) -> bool {
         // Captured steps are those of no method.
         if !self.auto || motion.is_captured() {
             return false;

@@ -29,7 +29,7 @@ use crate::model::{Model, StopLaw, StopSide, Watched};
 use crate::round_off::{EVENT_TIME, WATCHED};
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
@@ -151,7 +151,7 @@ pub(super) struct Events {
     tolerance: f64,
     pub(super) happened: Vec<Occurrence>,
     state: State,
-    /// Accelerations at the state, and how far what is held is within its range, see [`Motion::press`]; once they are known.
+    /// Accelerations at the state, and how far what is held is within its range, see [`Equations::press`]; once they are known.
     pressed: bool,
     accelerations: Vec<f64>,
     reserves: Vec<f64>,
@@ -204,7 +204,7 @@ impl Events {
     }
 
     /// Takes the signs at the start of a run or after a transition; what is watched depends on the discrete state.
-    pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
+    pub(super) fn arm(&mut self, motion: &mut Equations, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
         // Captured steps follow rigid stops and dry friction by themselves.
         let captured = motion.is_captured();
@@ -278,8 +278,8 @@ impl Events {
     /// Looks at the last step up to its end: notes what is only to be noted, and gives the first transition.
     pub(super) fn look(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
     ) -> Result<Option<Hit>, RunError> {
         let (from, to) = (stepper.previous_time(), stepper.time());
         let (mut left, mut look, looks) = (from, 1, self.search.looks);
@@ -307,7 +307,7 @@ impl Events {
     }
 
     /// At the end of a step: what slides in a spherical hinge turns its direction.
-    fn turn_along(&mut self, motion: &mut Motion, time: f64) {
+    fn turn_along(&mut self, motion: &mut Equations, time: f64) {
         for at in 0..self.watches.len() {
             let Function::Speed(index) = self.watches[at].function else { continue };
             let friction = motion.model().hinge_friction[index];
@@ -322,7 +322,12 @@ impl Events {
     }
 
     /// Values and rates at a time within the last step.
-    fn look_at(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
+    fn look_at(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        time: f64,
+    ) -> Result<(), RunError> {
         self.move_to(motion, stepper, time)?;
         for index in 0..self.watches.len() {
             let function = self.watches[index].function;
@@ -334,8 +339,8 @@ impl Events {
     /// A time between two looks at which a function has changed its sign that has the old one at both.
     fn excursion(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         interval: [f64; 2],
     ) -> Result<Option<f64>, RunError> {
         let mut first: Option<f64> = None;
@@ -373,8 +378,8 @@ impl Events {
     /// Takes note of all changes between two looks up to the first that is a transition; that one.
     fn first(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         interval: [f64; 2],
     ) -> Result<Option<Hit>, RunError> {
         let (mut until, mut first) = (interval[1], None);
@@ -403,15 +408,15 @@ impl Events {
     /// not at its end.
     fn locate(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         index: usize,
         [left, right]: [f64; 2],
     ) -> Result<Option<f64>, RunError> {
         let Watch { function, last, band, .. } = self.watches[index];
         // At zero, unless that was passed by rounding before.
         let level = if self.watches[index].towards(last[0]) <= 0.0 { 0.0 } else { band };
-        let typical = TIME * motion.model().time_scale();
+        let width = 0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale());
         let mut beyond = |this: &mut Self, time: f64, level: f64| {
             this.move_to(motion, stepper, time)?;
             let now = [this.value(motion, function, time), this.rate(motion, function, time)];
@@ -424,8 +429,6 @@ impl Events {
             return Ok(None);
         }
         let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
-        let rounding = EVENT_TIME.of(right.abs().max(right - left));
-        let width = 0.5 * rounding.max(typical);
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
         self.move_to(motion, stepper, time)?;
@@ -434,7 +437,7 @@ impl Events {
     }
 
     /// The transition that a change of sign is, if it is one, the state being that at its time.
-    fn transition(&self, motion: &Motion, index: usize) -> Option<Transition> {
+    fn transition(&self, motion: &Equations, index: usize) -> Option<Transition> {
         let Watch { function, positive, .. } = self.watches[index];
         let model = &Arc::clone(motion.model());
         match function {
@@ -483,8 +486,8 @@ impl Events {
     /// is told of by the instant that follows.
     fn cross(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         time: f64,
         index: usize,
     ) -> Result<(), RunError> {
@@ -506,7 +509,12 @@ impl Events {
     }
 
     /// Takes the state to a time within the last step.
-    fn move_to(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
+    fn move_to(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        time: f64,
+    ) -> Result<(), RunError> {
         self.pressed = false;
         interpolate(motion, stepper, time, &mut self.state)
     }

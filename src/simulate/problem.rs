@@ -22,12 +22,12 @@ use std::sync::Arc;
 /// use stillpoint::integrate::{Method, Options, Start};
 /// use stillpoint::model::Model;
 /// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
-/// use stillpoint::simulate::problem::Motion;
+/// use stillpoint::simulate::problem::Equations;
 ///
 /// let hinge = HingeDescription::prismatic([0.0, 0.0, 1.0]).position([10.0]);
 /// let scene = Description::new("Fall").body(BodyDescription::new("stone", hinge).mass(1.0));
 /// let model = Model::build(&scene).expect("a sound scene");
-/// let mut motion = Motion::new(&model);
+/// let mut motion = Equations::new(&model);
 /// let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 1.0 };
 /// let mut stepper = Method::Dopri5.start(&mut motion, &Options::default(), start)?;
 /// while !stepper.finished() {
@@ -40,7 +40,7 @@ use std::sync::Arc;
 ///
 /// Loops want [`constraint::assemble`](crate::constraint::assemble) first; stops and events are
 /// [`simulate::run`](crate::simulate::run)'s.
-pub struct Motion {
+pub struct Equations {
     pub(super) system: System,
     pub(super) coordinates: Coordinates,
     position_scales: Vec<f64>,
@@ -67,7 +67,7 @@ impl From<Fault> for Failure {
     }
 }
 
-impl Motion {
+impl Equations {
     /// Scratch memory for a model.
     pub fn new(model: &Arc<Model>) -> Self {
         let (length, time) = (model.length_scale(), model.time_scale());
@@ -227,7 +227,7 @@ impl Motion {
     }
 
     /// Puts coordinates on their limits, what loops and gears tie to them along; velocities stay. To be followed by
-    /// [`Motion::hold`].
+    /// [`Equations::hold`].
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
@@ -292,7 +292,7 @@ impl Motion {
         }
     }
 
-    /// Whether every rigid stop is kept to [`Motion::passing`] and the rounding of time: independent of the search for
+    /// Whether every rigid stop is kept to [`Equations::passing`] and the rounding of time: independent of the search for
     /// events.
     ///
     /// # Errors
@@ -382,7 +382,7 @@ const PASSED: f64 = 1e-9;
 pub(super) const REST_SPEEDS: f64 = 10.0;
 /// Spherical hinges that slide more slowly than so many speeds of rest have the direction of the last step.
 const SLOW: f64 = 100.0;
-impl Problem for Motion {
+impl Problem for Equations {
     fn position_count(&self) -> usize {
         self.system.model().position_count()
     }

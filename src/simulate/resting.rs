@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::record::ContactPush;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
 use crate::statics::standing::{BearingContacts, ContactForce, Verdict, bearing, by_rule, overlap, with_contacts};
@@ -78,7 +78,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
 ///
 /// # Errors
 /// [`RunError::Contact`] where it does, [`RunError::Sample`] where that cannot be evaluated.
-pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(), RunError> {
+pub(super) fn prove(motion: &mut Equations, time: f64, state: &State) -> Result<(), RunError> {
     let Some(rule) = motion.model().contacts.first().cloned() else { return Ok(()) };
     let model = Arc::clone(motion.model());
     let (length, span) = (model.length_scale(), model.time_scale());
@@ -146,13 +146,13 @@ impl AtRest {
     ///
     /// # Errors
     /// As [`Method::start`](crate::integrate::Method::start).
-    pub(super) fn new(motion: &Motion, start: Start<'_>) -> Result<Self, StepError> {
+    pub(super) fn new(motion: &Equations, start: Start<'_>) -> Result<Self, StepError> {
         Progress::at_rest(motion, start).map(Self)
     }
 }
 
-impl Stepper<Motion> for AtRest {
-    fn step(&mut self, _: &mut Motion) -> Result<(), StepError> {
+impl Stepper<Equations> for AtRest {
+    fn step(&mut self, _: &mut Equations) -> Result<(), StepError> {
         self.0.stay();
         Ok(())
     }
@@ -161,7 +161,7 @@ impl Stepper<Motion> for AtRest {
         &self.0
     }
 
-    fn interpolate(&mut self, _: &mut Motion, _: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
+    fn interpolate(&mut self, _: &mut Equations, _: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
         q.copy_from_slice(self.0.position());
         v.copy_from_slice(self.0.velocity());
         Ok(())

@@ -24,7 +24,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::events::search::Search;
 use crate::simulate::events::timetable::Timetable;
 use crate::simulate::events::{Events, Hit, Kind, Occurrence};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::resting;
 use crate::simulate::samples::ledger::{Booked, Ledger};
 use crate::simulate::samples::sampler::Sampler;
@@ -181,7 +181,7 @@ impl<'m, 'f> Run<'m, 'f> {
     /// Decides what happens at the first instant, and records it; with the energy there (J).
     fn begin(
         model: &'m Arc<Model>,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         rate: f64,
         (prepared, search, function, booked): (Prepared, Search, Option<Function<'f>>, Option<&Booked>),
@@ -237,7 +237,7 @@ impl<'m, 'f> Run<'m, 'f> {
         run.sampler.contacts = contacts;
         run.touch(motion, begin, false)?;
         if booked.is_none_or(|booked| !booked.has_run)
-            && let Motion { contacts: Some(contacts), system, .. } = motion
+            && let Equations { contacts: Some(contacts), system, .. } = motion
         {
             run.ledger.held_from_start(contacts.potential(system));
         }
@@ -260,7 +260,7 @@ impl Run<'_, '_> {
     /// What it did, for the model that was `given`.
     fn end(
         mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         resume: Resume,
         energy_start: f64,
@@ -271,7 +271,7 @@ impl Run<'_, '_> {
         Ok(Summary { outputs, model: Arc::clone(given), ..summary })
     }
 
-    fn summary(self, motion: &mut Motion, settings: &Settings, resume: Resume, energy_start: f64) -> Summary {
+    fn summary(self, motion: &mut Equations, settings: &Settings, resume: Resume, energy_start: f64) -> Summary {
         let end_time = resume.time;
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
         let account = self.ledger.energy(&now);
@@ -314,7 +314,7 @@ impl Run<'_, '_> {
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -383,8 +383,8 @@ impl Run<'_, '_> {
     /// Hands on samples and events up to a time within the last step, in order; false if `go_on` asked to stop.
     fn tell(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         until: f64,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -419,7 +419,7 @@ impl Run<'_, '_> {
     }
 
     /// An explicit method that stability would hold below any useful step is refused.
-    fn refuse_hopeless(&self, motion: &mut Motion, method: Method, time: f64) -> Result<(), RunError> {
+    fn refuse_hopeless(&self, motion: &mut Equations, method: Method, time: f64) -> Result<(), RunError> {
         let Some(reach) = method.stability_reach() else { return Ok(()) };
         let State { position, velocity } = &self.state;
         let Some(fastest) = fastest(motion, time, position, velocity) else { return Ok(()) };

@@ -29,7 +29,7 @@ use crate::round_off::{ENERGY, TIME, has_come};
 use crate::simulate::asked::Asked;
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::run::{Summary, run_one};
 use crate::simulate::samples::ledger::Booked;
 use crate::simulate::samples::sampler::keep_worst;
@@ -230,7 +230,7 @@ impl Staged<'_> {
             }
         }
         let State { position, velocity } = &self.state;
-        let mut old = Motion::new(&self.model);
+        let mut old = Equations::new(&self.model);
         let energy = old.energies(time, position, velocity);
         let now = Now::new(&self.model, time, position, velocity);
         let before = self.structure.clone();
@@ -256,7 +256,7 @@ impl Staged<'_> {
             return Err(stop(why));
         }
         apart_or_closed(&next, gap, &state.position).map_err(stop)?;
-        let mut new = Motion::new(&next);
+        let mut new = Equations::new(&next);
         new.settle(time, &mut state.position, &mut state.velocity).map_err(fault)?;
         let after = new.energies(time, &state.position, &state.velocity);
         let lost = energy.kinetic + energy.potential - after.kinetic - after.potential;

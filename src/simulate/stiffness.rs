@@ -11,7 +11,7 @@
 //! rounds. It costs two accelerations per round, and no tangent: what it sees is what an explicit method sees.
 
 use crate::integrate::{ImplicitProblem, Problem};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 
 /// Rounds of two applications. Twelve of them find a rate that is twice the next one to a part in a thousand.
 const ROUNDS: usize = 12;
@@ -30,7 +30,7 @@ pub(super) struct Fastest {
 }
 
 /// The fastest motion near a state; `None` if the system cannot be evaluated there.
-pub(super) fn fastest(motion: &mut Motion, time: f64, q: &[f64], v: &[f64]) -> Option<Fastest> {
+pub(super) fn fastest(motion: &mut Equations, time: f64, q: &[f64], v: &[f64]) -> Option<Fastest> {
     let n = v.len();
     if n == 0 {
         return None;

@@ -58,7 +58,7 @@ use crate::spatial::Wrench;
 use cause::Cause;
 use lanes::{Field, Load};
 use nalgebra::{Matrix3, Vector3};
-use place::{Kind, Place};
+use place::{ColumnKind, ColumnPlace};
 use std::ops::Range;
 
 /// Coordinates whose columns are found together.
@@ -74,7 +74,7 @@ pub type Lanes = [f64; LANES];
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     /// How the velocity coordinates hang together.
-    places: Vec<Place>,
+    places: Vec<ColumnPlace>,
     /// For every link the first one with mass on its branch from the ground.
     reference: Vec<usize>,
     /// Every velocity coordinate, eliminated; written by [`Jacobian::update`].
@@ -210,9 +210,9 @@ impl Jacobian {
         for (at, i) in coordinates.enumerate().rev() {
             let row = &self.rows[i];
             let met = match self.places[i].kind {
-                Kind::Slide => row.axis.dot(&e.force),
-                Kind::Turn | Kind::Further => row.axis.dot(&e.moment),
-                Kind::Screw { pitch } => row.axis.dot(&(e.moment + pitch * e.force)),
+                ColumnKind::Slide => row.axis.dot(&e.force),
+                ColumnKind::Turn | ColumnKind::Further => row.axis.dot(&e.moment),
+                ColumnKind::Screw { pitch } => row.axis.dot(&(e.moment + pitch * e.force)),
             };
             let u = -(met + resistance[at]);
             own[at] = u * row.inverse;
@@ -238,7 +238,7 @@ impl Jacobian {
         let mut lead = self.places[last].first;
         // Links of the group itself: some columns pass through, others begin.
         loop {
-            let Place { next, end, .. } = self.places[lead];
+            let ColumnPlace { next, end, .. } = self.places[lead];
             let carried = next.max(first)..end.min(last + 1);
             if !carried.is_empty() {
                 self.pass(lead, carried.start - first..carried.end - first, &mut load);
@@ -308,18 +308,24 @@ impl Jacobian {
 
 impl Carried {
     /// Eq. (5) and (J3) for one coordinate; on failure its pivot.
-    fn eliminate(&mut self, axis: Vector3<f64>, arm: Vector3<f64>, kind: Kind, armature: f64) -> Result<Row, f64> {
+    fn eliminate(
+        &mut self,
+        axis: Vector3<f64>,
+        arm: Vector3<f64>,
+        kind: ColumnKind,
+        armature: f64,
+    ) -> Result<Row, f64> {
         let Self { S, N } = self;
         let (SH, HN, D, seen) = match kind {
-            Kind::Slide => {
+            ColumnKind::Slide => {
                 let SH = Wrench { force: S.ff * axis, moment: S.fm.tr_mul(&axis) };
                 (SH, N.force.tr_mul(&axis), axis.dot(&SH.force), S.ff.trace())
             }
-            Kind::Turn | Kind::Further => {
+            ColumnKind::Turn | ColumnKind::Further => {
                 let SH = Wrench { force: S.fm * axis, moment: S.mm * axis };
                 (SH, N.moment.tr_mul(&axis), axis.dot(&SH.moment), S.mm.trace())
             }
-            Kind::Screw { pitch } => {
+            ColumnKind::Screw { pitch } => {
                 let slide = pitch * axis;
                 let SH = S.times(&LinkAcceleration { linear: slide, angular: axis });
                 let HN = N.force.tr_mul(&slide) + N.moment.tr_mul(&axis);

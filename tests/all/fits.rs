@@ -4,8 +4,8 @@ use assert_cmd::Command;
 use serde_json::Value;
 use std::path::PathBuf;
 use stillpoint::scenario::{Override, parse};
-use stillpoint::study::fit::table::Table;
-use stillpoint::study::fit::{Adjusted, Fit, Question, Trouble, fit};
+use stillpoint::study::fit::table::MeasuredTable;
+use stillpoint::study::fit::{Adjusted, Fit, FitQuestion, Trouble, fit};
 
 /// A weight on a spring that carries it at `z = rest − m g / k`.
 const SCALE: &str = "[[body]]\nname = \"pan\"\nmass = 2.0\n\
@@ -13,16 +13,16 @@ const SCALE: &str = "[[body]]\nname = \"pan\"\nmass = 2.0\n\
     [[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n";
 const G: f64 = 9.80665;
 
-fn question(parameters: &[&str]) -> Question {
+fn question(parameters: &[&str]) -> FitQuestion {
     let parameters = parameters.iter().map(|text| Adjusted::parse(text).unwrap()).collect();
-    Question { parameters, run: false, deviations: Vec::new(), ignored: Vec::new(), level: 0.95 }
+    FitQuestion { parameters, run: false, deviations: Vec::new(), ignored: Vec::new(), level: 0.95 }
 }
 
-fn table(columns: &[(&str, &[f64])]) -> Table {
-    Table::new(columns.iter().map(|(name, values)| ((*name).to_owned(), values.to_vec())).collect()).unwrap()
+fn table(columns: &[(&str, &[f64])]) -> MeasuredTable {
+    MeasuredTable::new(columns.iter().map(|(name, values)| ((*name).to_owned(), values.to_vec())).collect()).unwrap()
 }
 
-fn fitted(text: &str, table: &Table, question: &Question) -> Result<Fit, Trouble> {
+fn fitted(text: &str, table: &MeasuredTable, question: &FitQuestion) -> Result<Fit, Trouble> {
     let scenario = parse("scale.toml", text, &[]).unwrap();
     fit(&scenario, &[] as &[Override], table, question, &|| true)
 }
@@ -74,7 +74,7 @@ fn units_missing_cells_and_coordinates_are_understood() {
     // The coordinate has a name of its own in tables, and needs no output.
     let name = stillpoint::model::Model::build(&parse("scale.toml", SCALE, &[]).unwrap().description).unwrap();
     let own = name.bodies[0].hinge.kind.positions()[0].0;
-    let table = Table {
+    let table = MeasuredTable {
         columns: table
             .columns
             .into_iter()
@@ -141,7 +141,7 @@ fn a_swinging_weight_gives_its_spring_and_its_damper() {
         "gravity = [0, 0, 0]\n[simulate]\nstart = \"given\"\ntolerance = 1e-10\n{}",
         SCALE.replace("damping = 1.0", "damping = 1.0, position = 0.1")
     );
-    let question = Question { run: true, ..question(&["pan.stiffness", "pan.damping=1,0.."]) };
+    let question = FitQuestion { run: true, ..question(&["pan.stiffness", "pan.damping=1,0.."]) };
     let found = fitted(&text, &table(&[("time", &times), ("z", &heights)]), &question).unwrap();
     assert!(found.converged, "{found:?}");
     for (one, expected) in found.parameters.iter().zip([k, c]) {
@@ -154,7 +154,7 @@ fn a_swinging_weight_gives_its_spring_and_its_damper() {
 #[test]
 fn what_does_not_fit_together_is_refused_with_its_name() {
     let lines = || table(&[("pan.mass", &MASSES), ("z", &HEIGHTS)]);
-    let why = |table: &Table, question: &Question| fitted(SCALE, table, question).unwrap_err().to_string();
+    let why = |table: &MeasuredTable, question: &FitQuestion| fitted(SCALE, table, question).unwrap_err().to_string();
     let stiffness = question(&["pan.stiffness"]);
     for (table, question, expected) in [
         (table(&[("pan.mas", &MASSES), ("z", &HEIGHTS)]), stiffness.clone(), "did you mean `pan.mass`?"),
@@ -166,9 +166,13 @@ fn what_does_not_fit_together_is_refused_with_its_name() {
         (lines(), question(&["pan.mass"]), "a column of the data and a parameter at once"),
         (lines(), question(&["pan.rest", "pan.rest"]), "a parameter twice"),
         (lines(), question(&["pan.stiffness=500,200..1e3", "pan.rest=3,0..1.5e3"]), ""),
-        (lines(), Question { run: true, ..stiffness.clone() }, "needs a column `time`"),
-        (lines(), Question { ignored: vec!["zz".into()], ..stiffness.clone() }, "no column `zz` to ignore"),
-        (lines(), Question { deviations: vec![("pan.mass".into(), 1.0)], ..stiffness.clone() }, "no measured column"),
+        (lines(), FitQuestion { run: true, ..stiffness.clone() }, "needs a column `time`"),
+        (lines(), FitQuestion { ignored: vec!["zz".into()], ..stiffness.clone() }, "no column `zz` to ignore"),
+        (
+            lines(),
+            FitQuestion { deviations: vec![("pan.mass".into(), 1.0)], ..stiffness.clone() },
+            "no measured column",
+        ),
         (table(&[("pan.mass", &[1.0, -1.0]), ("z", &[0.1, 0.2])]), stiffness.clone(), "row 2 of the data"),
     ] {
         if expected.is_empty() {

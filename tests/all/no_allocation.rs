@@ -11,7 +11,7 @@ use stillpoint::dynamics::{AccelerationJacobians, Boundary, System, TangentSolve
 use stillpoint::integrate::{Method, Options as Settings, Start};
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 
 /// Counted on this thread, from the first call after construction on, over a scene with all kinds of hinges and
 /// all five kinds of forces (loads of both kinds of axes), each law taken as the state is and kept in one of its parts.
@@ -161,7 +161,7 @@ fn stepping_with_loops_allocates_nothing() {
 
 fn count_steps(model: &Arc<Model>) {
     for method in Method::ALL {
-        let mut motion = Motion::new(model);
+        let mut motion = Equations::new(model);
         let start = Start {
             time: 0.0,
             position: &model.start_position,

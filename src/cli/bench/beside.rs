@@ -4,7 +4,7 @@ use crate::dynamics::ensemble::WIDTH;
 use crate::dynamics::{Ensemble, Fault};
 use crate::integrate::{Method, Options, Staged, Start};
 use crate::model::Model;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use std::sync::Arc;
 
 /// A step that disturbs nothing: this part of the scene's own time.
@@ -18,8 +18,8 @@ pub(super) struct Beside {
     v: Vec<[f64; WIDTH]>,
     a: Vec<[f64; WIDTH]>,
     /// What is stepped: systems, steppers, and their states.
-    motions: [Motion; WIDTH],
-    steppers: [Box<dyn Staged<Motion>>; WIDTH],
+    motions: [Equations; WIDTH],
+    steppers: [Box<dyn Staged<Equations>>; WIDTH],
     time: [f64; WIDTH],
     at: [Vec<[f64; WIDTH]>; 2],
 }
@@ -30,7 +30,7 @@ impl Beside {
         let ensemble = Ensemble::new(&std::array::from_fn(|_| Arc::clone(model)))?;
         let lanes = |numbers: &[f64]| numbers.iter().map(|x| [*x; WIDTH]).collect::<Vec<_>>();
         let (q, v) = (lanes(&model.start_position), lanes(&model.start_velocity));
-        let mut motions: [Motion; WIDTH] = std::array::from_fn(|_| Motion::new(model));
+        let mut motions: [Equations; WIDTH] = std::array::from_fn(|_| Equations::new(model));
         let start = Start {
             time: 0.0,
             position: &model.start_position,

@@ -6,8 +6,8 @@ use super::super::text::{count, number, small};
 use super::super::{Exit, number::exact};
 use super::Arguments;
 use crate::scenario::{LoadError, Override, load_with};
-use crate::study::fit::table::Table;
-use crate::study::fit::{Adjusted, Fit, Fitted, Question, Trouble, deviation, fit};
+use crate::study::fit::table::MeasuredTable;
+use crate::study::fit::{Adjusted, Fit, FitQuestion, Fitted, Trouble, deviation, fit};
 use crate::text_file;
 use anyhow::{anyhow, bail};
 use clap::Args;
@@ -62,7 +62,7 @@ pub(super) fn main(arguments: &Arguments, data: &Path) -> anyhow::Result<Exit> {
         Inputs::new(read.collect::<Vec<_>>().iter().map(PathBuf::as_path)).spare(out)?;
     }
     let table = read(data)?;
-    let question = Question {
+    let question = FitQuestion {
         parameters: options.parameter.clone(),
         run: options.run,
         deviations: options.deviation.clone(),
@@ -100,7 +100,7 @@ fn refused(problems: &crate::scenario::Diagnostics) -> Exit {
 }
 
 /// A measured table: a line of headings, then numbers; `#` begins a comment.
-fn read(path: &Path) -> anyhow::Result<Table> {
+fn read(path: &Path) -> anyhow::Result<MeasuredTable> {
     let text = text_file::read(path, "table of measurements")?;
     let context = |why: String| anyhow!("{}: {why}", path.display());
     let mut reader = csv::ReaderBuilder::new()
@@ -120,11 +120,11 @@ fn read(path: &Path) -> anyhow::Result<Table> {
             });
         }
     }
-    Table::new(columns).map_err(context)
+    MeasuredTable::new(columns).map_err(context)
 }
 
 /// The table in SI units, with a column `fitted NAME` beside each one that was measured.
-fn beside(table: &Table, fit: &Fit) -> anyhow::Result<String> {
+fn beside(table: &MeasuredTable, fit: &Fit) -> anyhow::Result<String> {
     let mut rows = csv::Writer::from_writer(Vec::new());
     let measured = |name: &str| fit.columns.iter().find(|column| column.name == name);
     let headings = table.columns.iter().flat_map(|column| {
@@ -157,7 +157,7 @@ pub(in crate::cli) fn json(fit: &Fit) -> Value {
             "standard_error": one.error, "interval": one.interval, "held": one.is_held, "runs_off": one.runs_off,
         })
     };
-    let column = |one: &crate::study::fit::Residual| {
+    let column = |one: &crate::study::fit::ColumnFit| {
         json!({
             "name": one.name, "unit": one.unit, "count": one.count, "rms": one.rms, "deviation": one.deviation,
             "residuals": one.left,
@@ -188,7 +188,7 @@ fn set(one: &Fitted) -> String {
     format!("{}={}", one.address, exact(one.value))
 }
 
-fn text(fit: &Fit, table: &Table, data: &Path, level: f64) -> String {
+fn text(fit: &Fit, table: &MeasuredTable, data: &Path, level: f64) -> String {
     let names: Vec<String> = fit.columns.iter().map(|column| format!("`{}`", column.name)).collect();
     let measurements: usize = fit.columns.iter().map(|column| column.count).sum();
     let mut out = format!(

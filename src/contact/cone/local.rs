@@ -1,7 +1,7 @@
 //! Coulomb's law at one contact, exactly: eq. (2).
 
 use super::super::bounded::bounded;
-use super::{Law, RANK, State};
+use super::{ConeState, Law, RANK};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Parts of a turn in which the direction of slip is looked for: more of them if there is none in few, as close to sticking, where
@@ -19,36 +19,40 @@ pub(super) fn local(
     rate: &Vector3<f64>,
     law: &Law,
     guess: &Vector3<f64>,
-) -> (Vector3<f64>, State) {
+) -> (Vector3<f64>, ConeState) {
     if let Law::Bounded { bound } = *law {
         let (force, holds) = bounded(a, rate, bound);
-        return (force, if holds { State::Stick } else { State::Slip });
+        return (force, if holds { ConeState::Stick } else { ConeState::Slip });
     }
     if rate.x >= 0.0 || !(a[(0, 0)] > 0.0) {
-        return (Vector3::zeros(), State::Open);
+        return (Vector3::zeros(), ConeState::Open);
     }
     match *law {
-        Law::Bounded { .. } => (Vector3::zeros(), State::Open),
+        Law::Bounded { .. } => (Vector3::zeros(), ConeState::Open),
         Law::Sliding { friction, direction } => {
             let (push, resist) = pressed(a, friction, &direction);
             // Painlevé's: pressing harder does not lift it.
-            if resist > 0.0 { (push * (-rate.x / resist), State::Slip) } else { (push * f64::INFINITY, State::Slip) }
+            if resist > 0.0 {
+                (push * (-rate.x / resist), ConeState::Slip)
+            } else {
+                (push * f64::INFINITY, ConeState::Slip)
+            }
         }
         Law::Coulomb { stick, slide } => {
             if stick == 0.0 {
-                return (Vector3::new(-rate.x / a[(0, 0)], 0.0, 0.0), State::Slip);
+                return (Vector3::new(-rate.x / a[(0, 0)], 0.0, 0.0), ConeState::Slip);
             }
             let hold = -(inverse.matrix * rate);
             if hold.x >= 0.0 && hold.yz().norm() <= stick * hold.x {
-                return (hold, State::Stick);
+                return (hold, ConeState::Stick);
             }
             if inverse.singular
                 && let Some(hold) = held_otherwise(a, rate, stick, &hold)
             {
-                return (hold, State::Stick);
+                return (hold, ConeState::Stick);
             }
             let guess = if guess.yz() != Vector2::zeros() { -guess.yz() } else { -hold.yz() };
-            (slipping(a, rate, slide, &guess), State::Slip)
+            (slipping(a, rate, slide, &guess), ConeState::Slip)
         }
     }
 }

@@ -9,7 +9,7 @@
 //! (O'Donoghue, Candès, "Adaptive restart for accelerated gradient schemes", 2015). What is returned are forces of a sweep: each of them obeys
 //! its law.
 
-use super::{FIRST_ATTEMPT, Own, Problem, State};
+use super::{ConeState, FIRST_ATTEMPT, Own, Problem};
 use nalgebra::Vector3;
 
 /// β in (3): without a bound, forces of thousands of contacts grow again after a hundred sweeps.
@@ -60,7 +60,7 @@ impl Problem {
         let mut momentum = Momentum::new(island.iter().map(|i| forces[*i]).collect());
         let mut before = [f64::INFINITY; SPAN];
         let mut left = f64::INFINITY;
-        let mut states = vec![State::Open; island.len()];
+        let mut states = vec![ConeState::Open; island.len()];
         let mut attempt = if island.len() <= FEW { FIRST_ATTEMPT } else { usize::MAX };
         for sweep in 0..most {
             let (missed, steady) = self.sweep(island, own, forces, &mut states);
@@ -85,7 +85,7 @@ impl Problem {
     }
 
     /// Solves the equations of the states of an island, if these are the right ones.
-    fn polish_island(&self, island: &[usize], forces: &mut [Vector3<f64>], states: &[State]) -> bool {
+    fn polish_island(&self, island: &[usize], forces: &mut [Vector3<f64>], states: &[ConeState]) -> bool {
         let near: Vec<Vector3<f64>> = island.iter().map(|i| forces[*i]).collect();
         let Some(found) = self.of_island(island).polished(&near, states) else { return false };
         island.iter().zip(found).for_each(|(i, force)| forces[*i] = force);
@@ -93,7 +93,13 @@ impl Problem {
     }
 
     /// One sweep; returns the largest change of a rate by that of its own force, and whether no state has changed.
-    fn sweep(&self, island: &[usize], own: &[Own], forces: &mut [Vector3<f64>], states: &mut [State]) -> (f64, bool) {
+    fn sweep(
+        &self,
+        island: &[usize],
+        own: &[Own],
+        forces: &mut [Vector3<f64>],
+        states: &mut [ConeState],
+    ) -> (f64, bool) {
         let (mut missed, mut steady) = (0.0_f64, true);
         for (&i, before) in island.iter().zip(states) {
             let (force, state) = self.answer(i, &own[i], forces);

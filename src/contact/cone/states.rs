@@ -1,6 +1,6 @@
 //! The equations of states that sweeps have found: sticking contacts keep still, slipping ones do not sink, each with its own force.
 
-use super::{Law, Problem, RANK, State};
+use super::{ConeState, Law, Problem, RANK};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Rows of these equations, and refinements of their solution.
@@ -21,11 +21,11 @@ struct Row {
 impl Problem {
     /// Forces that meet the equations of these states, as near as can be to those that are given; `None` if they are not within their
     /// laws: then the states are not the right ones, or there are too many rows.
-    pub(super) fn polished(&self, near: &[Vector3<f64>], states: &[State]) -> Option<Vec<Vector3<f64>>> {
+    pub(super) fn polished(&self, near: &[Vector3<f64>], states: &[ConeState]) -> Option<Vec<Vector3<f64>>> {
         let size = (0..near.len()).map(|i| self.rate_size(i, near)).fold(0.0, f64::max);
         let mut forces = near.to_vec();
         for _ in 0..MOST_POLISHED {
-            for i in (0..forces.len()).filter(|i| states[*i] == State::Slip) {
+            for i in (0..forces.len()).filter(|i| states[*i] == ConeState::Slip) {
                 let rate = self.rate(i, &forces).yz();
                 if let (Law::Coulomb { slide, .. }, Some(d)) = (self.laws[i], rate.try_normalize(POLISHED * size)) {
                     let normal = forces[i].x;
@@ -70,22 +70,22 @@ impl Problem {
     }
 
     /// The equations of states; what slips does so along the velocity that it has with these forces. `None` if there are too many.
-    fn rows(&self, forces: &[Vector3<f64>], states: &[State]) -> Option<Vec<Row>> {
+    fn rows(&self, forces: &[Vector3<f64>], states: &[ConeState]) -> Option<Vec<Row>> {
         let mut rows = Vec::new();
         for (of, state) in states.iter().enumerate() {
             let own = self.own(of);
             let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
             match (state, self.laws[of]) {
-                (State::Open, _) | (State::Slip, Law::Bounded { .. }) => {}
-                (State::Stick, _) => {
+                (ConeState::Open, _) | (ConeState::Slip, Law::Bounded { .. }) => {}
+                (ConeState::Stick, _) => {
                     (0..3)
                         .filter(|k| own[(*k, *k)] > 0.0)
                         .for_each(|k| add(Vector3::ith(k, 1.0), Vector3::ith(k, 1.0)));
                 }
-                (State::Slip, Law::Sliding { friction, direction }) => {
+                (ConeState::Slip, Law::Sliding { friction, direction }) => {
                     add(Vector3::x(), Vector3::new(1.0, -friction * direction.x, -friction * direction.y));
                 }
-                (State::Slip, Law::Coulomb { .. }) => {
+                (ConeState::Slip, Law::Coulomb { .. }) => {
                     // Along the force that it has: a change of it keeps the direction.
                     let tangential = forces[of].yz() / forces[of].x;
                     add(Vector3::x(), Vector3::new(1.0, tangential.x, tangential.y));
@@ -96,24 +96,24 @@ impl Problem {
     }
 
     /// Whether forces and the rates that they leave are those of states.
-    fn obeys(&self, forces: &[Vector3<f64>], states: &[State], size: f64) -> bool {
+    fn obeys(&self, forces: &[Vector3<f64>], states: &[ConeState], size: f64) -> bool {
         let largest = forces.iter().map(|force| force.amax()).fold(0.0, f64::max);
         let slack = POLISHED * largest;
         (0..forces.len()).all(|i| {
             let (force, rate) = (forces[i], self.rate(i, forces));
             match (states[i], self.laws[i]) {
-                (State::Open, _) => rate.x >= -POLISHED * size,
-                (State::Stick, Law::Coulomb { stick, .. }) => {
+                (ConeState::Open, _) => rate.x >= -POLISHED * size,
+                (ConeState::Stick, Law::Coulomb { stick, .. }) => {
                     force.x >= -slack && force.yz().norm() <= stick * force.x + slack
                 }
-                (State::Stick, Law::Bounded { bound }) => force.norm() <= bound + slack,
-                (State::Stick, Law::Sliding { .. }) => false,
+                (ConeState::Stick, Law::Bounded { bound }) => force.norm() <= bound + slack,
+                (ConeState::Stick, Law::Sliding { .. }) => false,
                 // Of a force at its bound the sweeps have the direction.
-                (State::Slip, Law::Bounded { .. }) => {
+                (ConeState::Slip, Law::Bounded { .. }) => {
                     force.dot(&rate) <= 0.0 && force.cross(&rate).norm() <= POLISHED.sqrt() * force.norm() * size
                 }
-                (State::Slip, Law::Sliding { .. }) => force.x >= -slack,
-                (State::Slip, Law::Coulomb { stick, .. }) => {
+                (ConeState::Slip, Law::Sliding { .. }) => force.x >= -slack,
+                (ConeState::Slip, Law::Coulomb { stick, .. }) => {
                     let (along, across) = (force.yz().dot(&rate.yz()), force.yz().perp(&rate.yz()));
                     let straight = along <= 0.0 && across.abs() <= POLISHED * force.yz().norm() * size;
                     force.x >= -slack && (stick == 0.0 || straight)

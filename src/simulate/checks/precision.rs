@@ -13,7 +13,7 @@ use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, S
 use crate::model::Model;
 use crate::model::problem::number;
 use crate::simulate::error::{RunError, named};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 use crate::simulate::stiffness::fastest;
 use std::fmt;
@@ -175,7 +175,7 @@ pub fn precision(
         return Err(RunError::Contact { name: rule.name.clone(), why });
     }
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
-    let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
+    let mut bench = Bench { model, start, plan, motion: Equations::new(model), runs, done: 0, go_on };
     let methods = bench.references();
     let Some(References { runs: references, tolerance }) = bench.reference_runs(methods)? else { return Ok(None) };
     let agreement = bench.compare(&references[0], &references[1]);
@@ -255,7 +255,7 @@ struct Bench<'a, 'g> {
     model: &'a Model,
     start: &'a State,
     plan: &'a Plan,
-    motion: Motion,
+    motion: Equations,
     /// How many runs there are, and how many are done.
     runs: usize,
     done: usize,
@@ -360,7 +360,7 @@ impl<'a> Bench<'a, '_> {
     }
 
     /// Every look that is due within the last step.
-    fn look(&mut self, stepper: &mut dyn Stepper<Motion>, looks: &mut Vec<Look>) -> Result<(), StepError> {
+    fn look(&mut self, stepper: &mut dyn Stepper<Equations>, looks: &mut Vec<Look>) -> Result<(), StepError> {
         while looks.len() < LOOKS as usize {
             let due = self.due(looks.len());
             if stepper.time() < due {

@@ -20,7 +20,7 @@ use crate::contact::pairs::Key;
 use crate::dynamics::applied::Rubbing;
 use crate::dynamics::{Factorized, Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
 
@@ -99,7 +99,7 @@ impl Capture {
     ///
     /// # Errors
     /// A start that is none.
-    pub(in crate::simulate) fn new(motion: &Motion, start: Start<'_>, tolerance: f64) -> Result<Self, StepError> {
+    pub(in crate::simulate) fn new(motion: &Equations, start: Start<'_>, tolerance: f64) -> Result<Self, StepError> {
         let before = (start.position.to_vec(), start.velocity.to_vec());
         let progress = Progress::new(motion, start)?;
         let (mut scales, model) = (motion.scales().0.to_vec(), motion.model());
@@ -115,7 +115,7 @@ impl Capture {
     ///
     /// # Errors
     /// A state that cannot be evaluated.
-    fn attempt(&self, motion: &mut Motion, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
+    fn attempt(&self, motion: &mut Equations, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
         let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
@@ -132,7 +132,7 @@ impl Capture {
         made.opposed += first.opposed;
         let (raised, depth) = motion.raise(time + step, &mut made.position, &made.velocity)?;
         made.lost -= raised;
-        let Motion { contacts: Some(contacts), system, .. } = motion else {
+        let Equations { contacts: Some(contacts), system, .. } = motion else {
             return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
         };
         let after = system.at(time + step, &made.position, &made.velocity).energies().kinetic;
@@ -167,7 +167,7 @@ impl Tried {
 }
 
 /// Carries over what a step from one time to another did; `next` has the step that is tried next (s) from the one that was.
-fn remember(motion: &mut Motion, tried: Tried, times: [f64; 2], next: impl Fn(f64) -> f64) {
+fn remember(motion: &mut Equations, tried: Tried, times: [f64; 2], next: impl Fn(f64) -> f64) {
     let Tried { made, depth, .. } = tried;
     let span = motion.model().time_scale();
     let scales = motion.scales().1.to_vec();
@@ -188,15 +188,15 @@ fn remember(motion: &mut Motion, tried: Tried, times: [f64; 2], next: impl Fn(f6
     memory.still = if still { memory.still + 1 } else { 0 };
 }
 
-impl Stepper<Motion> for Capture {
-    fn step(&mut self, motion: &mut Motion) -> Result<(), StepError> {
+impl Stepper<Equations> for Capture {
+    fn step(&mut self, motion: &mut Equations) -> Result<(), StepError> {
         let (time, left) = (self.progress.time(), self.progress.end() - self.progress.time());
         if left <= 0.0 {
             return Ok(());
         }
         let span = motion.model().time_scale();
         let (q, v) = (self.progress.position().to_vec(), self.progress.velocity().to_vec());
-        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+        let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
         if contacts.memory.depth.is_none() {
             system.at(time, &q, &v);
             contacts.memory.depth = Some(contacts.depth(system));
@@ -232,7 +232,13 @@ impl Stepper<Motion> for Capture {
         &self.progress
     }
 
-    fn interpolate(&mut self, motion: &mut Motion, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
+    fn interpolate(
+        &mut self,
+        motion: &mut Equations,
+        time: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), StepError> {
         let (from, to) = (self.progress.previous_time(), self.progress.time());
         let part = if to > from { ((time - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
         let mix = |a: f64, b: f64| if part >= 1.0 { b } else { a + part * (b - a) };
@@ -244,7 +250,7 @@ impl Stepper<Motion> for Capture {
     }
 }
 
-impl Motion {
+impl Equations {
     /// The forces of captured steps at a state from which they begin, for what is told of it: of a short step in which nothing strikes.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use super::impact::FOUND;
 use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
-use crate::contact::cone::{Answer, Law, Problem, State as Did};
+use crate::contact::cone::{Answer, ConeState, Law, Problem};
 use crate::contact::frame::{Frame, problem, responses};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::Key;
@@ -295,7 +295,7 @@ impl Contacts {
     /// answer says that it slips: from then on it has what it has in motion. True if that is so of any that it was not so of before.
     fn give_way(&self, frames: &[Frame], found: &Answer, size: f64, problem: &mut Problem) -> bool {
         let (least, mut any) = (slips(found) * size, false);
-        let gives = |k: usize| found.states[k] == Did::Slip && found.rates[k].yz().norm() > least;
+        let gives = |k: usize| found.states[k] == ConeState::Slip && found.rates[k].yz().norm() > least;
         for (k, frame) in frames.iter().enumerate().filter(|(k, _)| gives(*k)) {
             let moving = self.law(frame.key.couple).friction.slide;
             if let Law::Coulomb { stick, slide } = &mut problem.laws[k]
@@ -317,13 +317,13 @@ impl Contacts {
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
             closed.state = match (found.states[k], closed.state) {
                 (_, state) if !self.is_rigid(closed.key.couple) => state,
-                (Did::Open, _) if rate.x > slips => continue,
-                (Did::Open, _) => ContactState::Spare,
-                (Did::Stick, _) => ContactState::Stick,
-                (Did::Slip, _) if frictionless => ContactState::Slip(Vector3::zeros()),
-                (Did::Slip, ContactState::Slip(direction)) => ContactState::Slip(direction),
-                (Did::Slip, _) if rate.yz().norm() <= slips => ContactState::Stick,
-                (Did::Slip, _) => {
+                (ConeState::Open, _) if rate.x > slips => continue,
+                (ConeState::Open, _) => ContactState::Spare,
+                (ConeState::Stick, _) => ContactState::Stick,
+                (ConeState::Slip, _) if frictionless => ContactState::Slip(Vector3::zeros()),
+                (ConeState::Slip, ContactState::Slip(direction)) => ContactState::Slip(direction),
+                (ConeState::Slip, _) if rate.yz().norm() <= slips => ContactState::Stick,
+                (ConeState::Slip, _) => {
                     let across = |x: Vector3<f64>| frames[k].basis.column(1) * x.y + frames[k].basis.column(2) * x.z;
                     let direction = (-across(force)).try_normalize(0.0).or_else(|| across(rate).try_normalize(0.0));
                     ContactState::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))

@@ -8,7 +8,7 @@ use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::Key;
 use crate::dynamics::{Factorized, Fault, System};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use nalgebra::{Matrix3, Vector3};
 
 /// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
@@ -174,7 +174,7 @@ pub(super) struct Ask<'a> {
 
 /// (1) and (2).
 pub(super) fn moreau(
-    motion: &mut Motion,
+    motion: &mut Equations,
     time: f64,
     [q, v]: [&[f64]; 2],
     h: f64,
@@ -184,7 +184,7 @@ pub(super) fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    let Motion { contacts, system, .. } = motion;
+    let Equations { contacts, system, .. } = motion;
     let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Some(contacts) = contacts else {

@@ -12,7 +12,7 @@ use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::Frame;
 use crate::contact::hinges::{self, Id, Support};
 use crate::dynamics::{Fault, System};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use nalgebra::Vector3;
 
 /// What has sunk by less than this part of a shape's size stays, and what has by more rises by that part of it behind a step.
@@ -29,7 +29,7 @@ const HALVINGS: usize = 6;
 /// What is nearer than so many times what has sunk deepest is not pushed into.
 const NEAR: f64 = 2.0;
 
-impl Motion {
+impl Equations {
     /// Moves apart what has sunk at the end of a step; returns the energy that this puts in (J) and how deep anything still is, in
     /// parts of its size.
     ///

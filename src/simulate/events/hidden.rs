@@ -15,7 +15,7 @@ use crate::integrate::Stepper;
 use crate::model::{Model, Quantity, Watched};
 use crate::round_off::WATCHED;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 
 /// Stretches looked at in one step, at most.
 const MOST: u32 = 20_000;
@@ -147,8 +147,8 @@ impl Events {
     /// A time from `left` to `right` up to which looks at both ends show what expressions do.
     pub(super) fn shown_until(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         [left, right]: [f64; 2],
     ) -> Result<f64, RunError> {
         let Some(mut hidden) = self.hidden.take() else { return Ok(right) };
@@ -160,8 +160,8 @@ impl Events {
     fn halved(
         &mut self,
         hidden: &mut Hidden,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         [left, right]: [f64; 2],
     ) -> Result<f64, RunError> {
         if hidden.left.time != left {
@@ -186,8 +186,8 @@ impl Events {
 
     fn see(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         time: f64,
         seen: &mut Seen,
     ) -> Result<(), RunError> {

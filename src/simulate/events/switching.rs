@@ -7,10 +7,10 @@
 use super::{Kind, Occurrence};
 use crate::dynamics::Boundary;
 use crate::force::{Act, Switch};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 
-impl Motion {
+impl Equations {
     /// Where a law stands with respect to one of its boundaries.
     pub(in crate::simulate) fn switch(&mut self, time: f64, boundary: Boundary, state: &State) -> Switch {
         self.at(time, &state.position, &state.velocity).switch(boundary)

@@ -1,7 +1,7 @@
 //! What is watched: the functions whose changes of sign are events, and their rates.
 
 use super::super::contact::Aspect;
-use super::super::problem::Motion;
+use super::super::problem::Equations;
 use super::super::state::State;
 use super::{Events, Function};
 use crate::dynamics::applied::{Rubbing, rate_of};
@@ -47,7 +47,7 @@ impl Jump {
 
 impl Events {
     /// Looks what accelerations are at the state, and what holds.
-    fn press(&mut self, motion: &mut Motion, time: f64) {
+    fn press(&mut self, motion: &mut Equations, time: f64) {
         if !self.pressed {
             motion.press(time, &self.state, &mut self.accelerations, &mut self.reserves);
             self.pressed = true;
@@ -56,7 +56,7 @@ impl Events {
 
     /// How fast the watched number changes at the state; 0 for a push or a reserve, and for an output whose rate is not
     /// known.
-    pub(super) fn rate(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+    pub(super) fn rate(&mut self, motion: &mut Equations, function: Function, time: f64) -> f64 {
         let model = &Arc::clone(motion.model());
         if let Function::Speed(index) = function {
             self.press(motion, time);
@@ -81,7 +81,7 @@ impl Events {
     }
 
     /// How fast the number of an event changes at the state; not a number if that is not known.
-    pub(super) fn speed(&mut self, motion: &mut Motion, event: usize, time: f64) -> f64 {
+    pub(super) fn speed(&mut self, motion: &mut Equations, event: usize, time: f64) -> f64 {
         let model = &Arc::clone(motion.model());
         match &model.events[event].of {
             Watched::Position(_) => self.state.velocity[self.velocities[event]],
@@ -91,20 +91,20 @@ impl Events {
     }
 
     /// What contacts do at the state, and its rate.
-    fn contact(&mut self, motion: &mut Motion, aspect: Aspect, time: f64) -> [f64; 2] {
+    fn contact(&mut self, motion: &mut Equations, aspect: Aspect, time: f64) -> [f64; 2] {
         self.press(motion, time);
-        let Motion { contacts: Some(contacts), system, .. } = motion else { return [0.0; 2] };
+        let Equations { contacts: Some(contacts), system, .. } = motion else { return [0.0; 2] };
         contacts.watched(aspect, system)
     }
 
     /// A number of an output and its rate.
-    fn output(&mut self, motion: &mut Motion, time: f64, number: usize) -> [f64; 2] {
+    fn output(&mut self, motion: &mut Equations, time: f64, number: usize) -> [f64; 2] {
         let state = &self.state;
         self.outputs.as_mut().map_or([f64::NAN; 2], |outputs| outputs.watched(motion, time, state, number))
     }
 
     /// Velocities or accelerations in the direction in which something slides.
-    fn along(&self, motion: &Motion, friction: usize, of: &[f64]) -> f64 {
+    fn along(&self, motion: &Equations, friction: usize, of: &[f64]) -> f64 {
         match motion.system.phase().rubbing[friction] {
             Rubbing::Slides(direction) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
             _ => 0.0,
@@ -112,7 +112,7 @@ impl Events {
     }
 
     /// A function at the state.
-    pub(super) fn value(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+    pub(super) fn value(&mut self, motion: &mut Equations, function: Function, time: f64) -> f64 {
         if let Function::Reserve(held) = function {
             self.press(motion, time);
             return self.reserves[held];

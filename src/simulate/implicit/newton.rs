@@ -6,13 +6,13 @@ use super::tangent::Tangent;
 use crate::dynamics::{Coefficients, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point};
 use crate::simulate::passage::Passage;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 
 fn singular() -> Failure {
     Failure { message: "the tangent of the implicit step is singular".to_owned() }
 }
 
-impl Motion {
+impl Equations {
     /// The Newton matrix beside contacts that move.
     fn factorize_differenced(&mut self, Point { time, q, v, .. }: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Tangent::Differenced(mut factors) = std::mem::replace(&mut self.tangent, Tangent::None) else {
@@ -29,7 +29,7 @@ impl Motion {
     }
 }
 
-impl ImplicitProblem for Motion {
+impl ImplicitProblem for Equations {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
         self.coordinates.implicit(start, step, v, q);
     }

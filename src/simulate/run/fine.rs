@@ -13,7 +13,7 @@
 //! polynomial of degree 3 takes one step. A stretch of more than [`MOST_STEPS`] is as the user has it.
 
 use super::Run;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::settings::Settings;
 
 /// A stretch of so many steps resolves what it is taken for.
@@ -32,7 +32,7 @@ type Places = [Vec<f64>; 5];
 
 impl Run<'_, '_> {
     /// The fixed `step` of a run (s), or the shorter one that is needed from a time (s) to the break that follows.
-    pub(super) fn fine_step(&self, motion: &mut Motion, settings: &Settings, time: f64, step: f64) -> f64 {
+    pub(super) fn fine_step(&self, motion: &mut Equations, settings: &Settings, time: f64, step: f64) -> f64 {
         let Some([_, end]) = self.timetable.formula_stretch(time) else { return step };
         let length = end - time;
         if !(length > 0.0 && length <= MOST_STEPS * step) {
@@ -44,7 +44,7 @@ impl Run<'_, '_> {
     }
 
     /// How many equal steps (1) needs between two times (s); `None` if accelerations cannot be evaluated there.
-    fn parts(&self, motion: &mut Motion, settings: &Settings, between: [f64; 2]) -> Option<u32> {
+    fn parts(&self, motion: &mut Equations, settings: &Settings, between: [f64; 2]) -> Option<u32> {
         let mut places: Places = [0; 5].map(|_| vec![0.0; self.state.velocity.len()]);
         let (mut parts, mut found, mut agree) = (1, 1, 0);
         while agree < AGREE && parts <= MOST_PARTS {
@@ -63,7 +63,7 @@ impl Run<'_, '_> {
     /// The left side of (1) by the right one, the largest of all coordinates.
     fn off(
         &self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         ([from, to], parts): ([f64; 2], u32),
         places: &mut Places,
@@ -92,7 +92,7 @@ impl Run<'_, '_> {
     }
 
     /// `a` ← what the state accelerates with at a time (s).
-    fn accelerations(&self, motion: &mut Motion, time: f64, a: &mut [f64]) -> Option<()> {
+    fn accelerations(&self, motion: &mut Equations, time: f64, a: &mut [f64]) -> Option<()> {
         motion.accelerations(time, &self.state.position, &self.state.velocity, a).ok()
     }
 }

@@ -5,7 +5,7 @@ use crate::round_off::TIME;
 use crate::simulate::control::{Control, Sensed};
 use crate::simulate::error::RunError;
 use crate::simulate::events::Kind;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
 use crate::simulate::stops::instant;
@@ -29,7 +29,7 @@ impl Run<'_, '_> {
     }
 
     /// Mass that is gone from one time to the next, between which nothing moves, takes its energy along.
-    pub(super) fn lose_mass(&mut self, motion: &mut Motion, before: f64, after: f64) {
+    pub(super) fn lose_mass(&mut self, motion: &mut Equations, before: f64, after: f64) {
         if self.model.burns.is_empty() {
             return;
         }
@@ -42,7 +42,7 @@ impl Run<'_, '_> {
     /// drives, whose work is booked. Nothing holds during it; what strikes a stop by it is answered then.
     pub(super) fn jump(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         [before, at]: [f64; 2],
     ) -> Result<(), RunError> {
@@ -62,7 +62,7 @@ impl Run<'_, '_> {
     }
 
     /// Decides anew what strikes, rests and sticks at a time at which what acts has changed.
-    fn resolve(&mut self, motion: &mut Motion, settings: &Settings, time: f64) -> Result<(), RunError> {
+    fn resolve(&mut self, motion: &mut Equations, settings: &Settings, time: f64) -> Result<(), RunError> {
         if let Some(events) = &mut self.events {
             let outcome = instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, None)?;
             self.ledger.lose(outcome.lost);
@@ -75,7 +75,7 @@ impl Run<'_, '_> {
     }
 
     /// Lets controllers act that are due at a time, and decides anew what rests and sticks under what they set.
-    pub(super) fn control(&mut self, motion: &mut Motion, settings: &Settings, time: f64) -> Result<(), RunError> {
+    pub(super) fn control(&mut self, motion: &mut Equations, settings: &Settings, time: f64) -> Result<(), RunError> {
         if !self.is_due(time) {
             return Ok(());
         }

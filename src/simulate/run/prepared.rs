@@ -5,7 +5,7 @@ use crate::record::ContactPush;
 use crate::round_off::ON_A_LIMIT;
 use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::resting;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
@@ -30,9 +30,9 @@ impl Prepared {
         settings: &Settings,
         start: &State,
         may_rest: bool,
-    ) -> Result<(Self, Motion), RunError> {
+    ) -> Result<(Self, Equations), RunError> {
         let begin = settings.begin();
-        let (mut motion, mut state) = (Motion::new(model), start.clone());
+        let (mut motion, mut state) = (Equations::new(model), start.clone());
         motion
             .system
             .settle(begin, &mut state.position, &mut state.velocity)
@@ -43,7 +43,7 @@ impl Prepared {
         let Some(held) = held else {
             return Ok((Self { model: Arc::clone(model), state, contacts: Vec::new(), rests: false }, motion));
         };
-        let mut motion = Motion::new(&held.model);
+        let mut motion = Equations::new(&held.model);
         motion.resting = held.by_rule;
         Ok((Self { model: held.model, state, contacts: held.contacts, rests: true }, motion))
     }

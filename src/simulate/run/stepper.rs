@@ -4,7 +4,7 @@ use super::{Run, fixed_step, resumed_grid};
 use crate::integrate::{Method, Options, Start, Stepper};
 use crate::simulate::contact::Capture;
 use crate::simulate::error::{RunError, named};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::resting::AtRest;
 use crate::simulate::settings::{Grid, Resume, Settings};
 
@@ -15,11 +15,11 @@ impl Run<'_, '_> {
     /// If the method cannot start there.
     pub(super) fn stepper(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         method: Method,
         time: f64,
-    ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
+    ) -> Result<Box<dyn Stepper<Equations>>, RunError> {
         let end = self.segment_end(self.next(time));
         let carried = self.carried.take();
         let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
@@ -58,7 +58,7 @@ impl Run<'_, '_> {
         &self,
         settings: &Settings,
         method: Method,
-        stepper: &mut dyn Stepper<Motion>,
+        stepper: &mut dyn Stepper<Equations>,
         [origin, time]: [f64; 2],
     ) -> Resume {
         let fixed = fixed_step(self.model, settings, method);

@@ -7,7 +7,7 @@ use crate::simulate::checks::pace::{Creep, Pace};
 use crate::simulate::choice::Choice;
 use crate::simulate::error::{RunError, component_name, named};
 use crate::simulate::events::{Hit, Transition, dead_centre};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::state::State;
 use std::time::Instant;
@@ -36,8 +36,8 @@ impl Run<'_, '_> {
     /// Steps from a time on, up to where the stepper ends or to what ends them before.
     pub(super) fn steps(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         choice: &mut Choice,
         from: f64,
         recorder: &mut dyn Recorder,
@@ -71,14 +71,14 @@ impl Run<'_, '_> {
         Ok(ending)
     }
 
-    pub(super) fn creeps(&self, stepper: &dyn Stepper<Motion>, Creep { step, left }: Creep) -> RunError {
+    pub(super) fn creeps(&self, stepper: &dyn Stepper<Equations>, Creep { step, left }: Creep) -> RunError {
         let (time, limiting) = (stepper.time(), stepper.limiting());
         let component = component_name(self.model, limiting).unwrap_or_else(|| limiting.to_string());
         dead_centre::beside(RunError::Creep { time, step, left, component }, self.model, time, &self.state)
     }
 
     /// One step, and the state at its end or at what happens before.
-    fn step(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>) -> Result<Option<Hit>, RunError> {
+    fn step(&mut self, motion: &mut Equations, stepper: &mut dyn Stepper<Equations>) -> Result<Option<Hit>, RunError> {
         let before = Instant::now();
         let hit = self.step_and_look(motion, stepper);
         self.wall += before.elapsed();
@@ -87,8 +87,8 @@ impl Run<'_, '_> {
 
     fn step_and_look(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
     ) -> Result<Option<Hit>, RunError> {
         let (model, state) = (self.model, &self.state);
         stepper
@@ -111,8 +111,8 @@ impl Run<'_, '_> {
     /// The account of a step up to its end or to what happened before.
     pub(super) fn close_step(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         until: f64,
     ) -> Result<(), RunError> {
         if self.model.is_constrained() {

@@ -13,7 +13,7 @@ use crate::simulate::checks::pace::Pace;
 use crate::simulate::error::{RunError, named};
 use crate::simulate::events::dead_centre;
 use crate::simulate::events::search::Search;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::run::Summary;
 use crate::simulate::settings::{Integrator, Resume, Settings};
 use crate::simulate::state::State;
@@ -35,9 +35,9 @@ pub fn covers(model: &Model, settings: &Settings) -> bool {
 /// One model on its way.
 struct Lane<'m> {
     model: &'m Arc<Model>,
-    motion: Motion,
+    motion: Equations,
     run: Run<'m, 'static>,
-    stepper: Box<dyn Staged<Motion>>,
+    stepper: Box<dyn Staged<Equations>>,
     pace: Pace,
     energy_start: f64,
     begun: Instant,
@@ -169,7 +169,7 @@ impl<'m> Lane<'m> {
         }
         run.state.position.copy_from_slice(stepper.position());
         run.state.velocity.copy_from_slice(stepper.velocity());
-        let stepper: &mut dyn Stepper<Motion> = stepper.as_mut();
+        let stepper: &mut dyn Stepper<Equations> = stepper.as_mut();
         let mut stopped = !run.tell(motion, stepper, time, recorder, go_on)?;
         recorder.pause()?;
         run.close_step(motion, stepper, time)?;

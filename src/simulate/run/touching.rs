@@ -6,7 +6,7 @@ use crate::model::problem::{number, significant};
 use crate::simulate::contact::{Contacts, MISSED, Trouble};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
-use crate::simulate::problem::{Motion, REST_SPEEDS};
+use crate::simulate::problem::{Equations, REST_SPEEDS};
 use crate::simulate::resting;
 use crate::simulate::settings::Settings;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::model::Model;
 ///
 /// # Errors
 /// [`RunError::Contact`] of a shape that cannot.
-pub(super) fn allow(motion: &mut Motion, model: &Arc<Model>, settings: &Settings) -> Result<(), RunError> {
+pub(super) fn allow(motion: &mut Equations, model: &Arc<Model>, settings: &Settings) -> Result<(), RunError> {
     let refuse = |why: String| RunError::Contact { name: model.contacts[0].name.clone(), why };
     let mut contacts = Contacts::new(model, settings.gap).map_err(|why| refuse(why.to_string()))?;
     let speed = model.length_scale() / model.time_scale();
@@ -46,7 +46,7 @@ fn tried(statistics: &Statistics) -> u64 {
 
 impl Run<'_, '_> {
     /// Looks at events from a time on.
-    pub(super) fn arm(&mut self, motion: &mut Motion, time: f64) {
+    pub(super) fn arm(&mut self, motion: &mut Equations, time: f64) {
         if let Some(events) = &mut self.events {
             events.arm(motion, time, &self.state);
         }
@@ -56,8 +56,8 @@ impl Run<'_, '_> {
     ///
     /// # Errors
     /// [`RunError::Touch`], or a state that cannot be evaluated.
-    pub(super) fn touch(&mut self, motion: &mut Motion, time: f64, at_limit: bool) -> Result<(), RunError> {
-        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+    pub(super) fn touch(&mut self, motion: &mut Equations, time: f64, at_limit: bool) -> Result<(), RunError> {
+        let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
         if contacts.is_captured() {
             return Ok(());
         }
@@ -118,8 +118,8 @@ impl Run<'_, '_> {
     ///
     /// # Errors
     /// [`RunError::Touch`] of shapes that have sunk into each other.
-    pub(super) fn guard_contacts(&self, motion: &mut Motion, time: f64) -> Result<(), RunError> {
-        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+    pub(super) fn guard_contacts(&self, motion: &mut Equations, time: f64) -> Result<(), RunError> {
+        let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
         if !contacts.is_captured() {
             return Ok(());
         }
@@ -137,7 +137,7 @@ impl Run<'_, '_> {
     ///
     /// # Errors
     /// [`RunError::Contact`] of compliant contact, which they do not know, with the reason why they have to.
-    fn capture_or(&mut self, motion: &mut Motion, time: f64, why: impl FnOnce() -> String) -> Result<(), RunError> {
+    fn capture_or(&mut self, motion: &mut Equations, time: f64, why: impl FnOnce() -> String) -> Result<(), RunError> {
         if self.try_capture(motion, time) {
             return Ok(());
         }
@@ -147,7 +147,7 @@ impl Run<'_, '_> {
     }
 
     /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
-    pub(super) fn try_capture(&mut self, motion: &mut Motion, time: f64) -> bool {
+    pub(super) fn try_capture(&mut self, motion: &mut Equations, time: f64) -> bool {
         let can = |contacts: &&mut Box<Contacts>| !contacts.is_captured() && !contacts.is_compliant();
         let Some(contacts) = motion.contacts.as_mut().filter(can) else { return false };
         contacts.capture_from(time);
@@ -164,13 +164,13 @@ impl Run<'_, '_> {
     }
 
     /// Whether captured steps may end: nothing changes, or nothing moves.
-    pub(super) fn hands_back(&self, motion: &Motion, time: f64) -> bool {
+    pub(super) fn hands_back(&self, motion: &Equations, time: f64) -> bool {
         let steady = resting::is_steady(self.model) && self.control.is_none();
         motion.contacts.as_ref().is_some_and(|contacts| contacts.is_calm(time) || steady && contacts.is_still())
     }
 
     /// Whether steps between events advance so little since captured ones handed back that these would have done better.
-    pub(super) fn toils(&self, motion: &Motion, stepper: &dyn Stepper<Motion>, time: f64) -> bool {
+    pub(super) fn toils(&self, motion: &Equations, stepper: &dyn Stepper<Equations>, time: f64) -> bool {
         let Some(contacts) = motion.contacts.as_ref().filter(|contacts| !contacts.is_captured()) else { return false };
         let Some((since, before)) = self.handed_back else { return false };
         let tried = tried(&self.statistics) + tried(stepper.statistics()) - before;
@@ -181,7 +181,7 @@ impl Run<'_, '_> {
     ///
     /// # Errors
     /// As [`Run::touch`].
-    pub(super) fn hand_back(&mut self, motion: &mut Motion, time: f64, method: Method) -> Result<(), RunError> {
+    pub(super) fn hand_back(&mut self, motion: &mut Equations, time: f64, method: Method) -> Result<(), RunError> {
         let Some(contacts) = &mut motion.contacts else { return Ok(()) };
         if contacts.is_still() {
             self.state.velocity.fill(0.0);

@@ -6,7 +6,7 @@ use crate::model::problem::number;
 use crate::model::{CurveEnd, StopSide};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Transition};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::settings::Settings;
 use crate::simulate::stops::instant::{self, Outcome};
 
@@ -28,7 +28,7 @@ impl Run<'_, '_> {
     /// What follows from an event.
     pub(super) fn transition(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         settings: &Settings,
         method: Method,
         Hit { time, transition }: Hit,

@@ -13,7 +13,7 @@ use crate::integrate::Stepper;
 use crate::model::{Model, StopLaw};
 use crate::record::Energy;
 use crate::simulate::error::{RunError, named};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 
 /// Nodes and weights of the Gauss rule on 0…1 that integrates powers over a step: exact to degree 9.
@@ -99,8 +99,8 @@ impl Ledger {
     /// A state within the step that cannot be evaluated.
     pub(in crate::simulate) fn advance(
         &mut self,
-        motion: &mut Motion,
-        stepper: &mut dyn Stepper<Motion>,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
         state: &mut State,
         until: f64,
     ) -> Result<(), RunError> {
@@ -184,7 +184,7 @@ impl Ledger {
 
 impl StagePowers {
     /// Powers at the stages of the last step, unless they are known; false for a method without.
-    fn evaluate(&mut self, motion: &mut Motion, stepper: &dyn Stepper<Motion>) -> bool {
+    fn evaluate(&mut self, motion: &mut Equations, stepper: &dyn Stepper<Equations>) -> bool {
         let Some(stages) = stepper.stages() else { return false };
         let step = [stepper.previous_time(), stepper.time()];
         if self.step != step {
@@ -201,7 +201,7 @@ impl StagePowers {
     }
 
     /// What they come to between two times within the step (J).
-    fn integral(&self, stepper: &dyn Stepper<Motion>, [from, until]: [f64; 2]) -> Powers {
+    fn integral(&self, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> Powers {
         let mut sum = Powers { input: 0.0, dissipated: 0.0 };
         let Some(stages) = stepper.stages() else { return sum };
         let [begin, end] = self.step;
@@ -221,8 +221,8 @@ impl StagePowers {
 /// # Errors
 /// A time at which the state cannot be evaluated.
 pub(in crate::simulate) fn interpolate(
-    motion: &mut Motion,
-    stepper: &mut dyn Stepper<Motion>,
+    motion: &mut Equations,
+    stepper: &mut dyn Stepper<Equations>,
     time: f64,
     State { position, velocity }: &mut State,
 ) -> Result<(), RunError> {

@@ -4,7 +4,7 @@ use crate::dynamics::{Fault, Powers};
 use crate::model::{Model, Output};
 use crate::output::{Given, Outputs, Varied};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
@@ -55,7 +55,7 @@ impl StateOutputs {
     /// As [`Outputs::evaluate`], and a state that cannot be evaluated.
     pub(in crate::simulate) fn at(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         time: f64,
         state: &State,
         account: [f64; 2],
@@ -91,7 +91,12 @@ impl StateOutputs {
     }
 
     /// All numbers at a state and their rates; `None` if the state cannot be evaluated.
-    pub(in crate::simulate) fn seen(&mut self, motion: &mut Motion, time: f64, state: &State) -> Option<[&[f64]; 2]> {
+    pub(in crate::simulate) fn seen(
+        &mut self,
+        motion: &mut Equations,
+        time: f64,
+        state: &State,
+    ) -> Option<[&[f64]; 2]> {
         let same = |(at, of): &(f64, State)| *at == time && of == state;
         if !self.last.as_ref().is_some_and(same) {
             if self.at(motion, time, state, [0.0; 2]).is_err() {
@@ -109,7 +114,7 @@ impl StateOutputs {
     /// evaluated.
     pub(in crate::simulate) fn watched(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         time: f64,
         state: &State,
         number: usize,
@@ -125,7 +130,7 @@ impl StateOutputs {
 pub fn at_start(model: &Arc<Model>, time: f64) -> Result<Vec<f64>, Fault> {
     let Some(mut outputs) = StateOutputs::new(model) else { return Ok(Vec::new()) };
     let state = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-    outputs.at(&mut Motion::new(model), time, &state, [0.0; 2]).map(<[f64]>::to_vec)
+    outputs.at(&mut Equations::new(model), time, &state, [0.0; 2]).map(<[f64]>::to_vec)
 }
 
 /// Names and values of the outputs at a place, one for each number.

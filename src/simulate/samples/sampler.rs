@@ -10,7 +10,7 @@ use crate::record::{ContactPush, Recorder, Sample};
 use crate::round_off::MEANT_TIME;
 use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 use crate::spatial::{Pose, Wrench};
 use std::time::{Duration, Instant};
@@ -65,9 +65,9 @@ impl Sampler {
     /// Every sample due within the last step up to a time, the ledger with them; false if `go_on` asked to stop.
     pub(in crate::simulate) fn up_to(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         ledger: &mut Ledger,
-        stepper: &mut dyn Stepper<Motion>,
+        stepper: &mut dyn Stepper<Equations>,
         until: f64,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -100,9 +100,9 @@ impl Sampler {
     /// The ledger up to the end of a step or to what happens before.
     pub(in crate::simulate) fn close(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         ledger: &mut Ledger,
-        stepper: &mut dyn Stepper<Motion>,
+        stepper: &mut dyn Stepper<Equations>,
         until: f64,
     ) -> Result<(), RunError> {
         ledger.advance(motion, stepper, &mut self.state, until)
@@ -111,7 +111,7 @@ impl Sampler {
     /// The outputs at a state; empty for a model without.
     pub(in crate::simulate) fn outputs(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         ledger: &Ledger,
         time: f64,
         state: &State,
@@ -125,7 +125,7 @@ impl Sampler {
     /// One sample. Nothing is recorded that is not a number, nor a state beyond a rigid stop.
     pub(in crate::simulate) fn sample(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut Equations,
         ledger: &mut Ledger,
         time: f64,
         state: &State,

@@ -29,7 +29,7 @@ use crate::model::{StopLaw, StopSide};
 use crate::round_off::{REBOUND, REBOUND_BESIDE_LOOPS, SPEED};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence, Transition};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::Equations;
 use crate::simulate::state::State;
 
 /// Impacts at one instant; each lets all stops that are approached answer.
@@ -59,7 +59,7 @@ pub(in crate::simulate) enum Of {
 
 /// An instant being resolved: the stops that are touched and the dry friction, and how coordinates answer to what pushes there.
 pub(in crate::simulate) struct Instant<'a> {
-    pub(in crate::simulate) motion: &'a mut Motion,
+    pub(in crate::simulate) motion: &'a mut Equations,
     pub(in crate::simulate) time: f64,
     pub(in crate::simulate) state: &'a mut State,
     /// Absolute tolerance of the run.
@@ -84,7 +84,7 @@ pub(in crate::simulate) struct Instant<'a> {
 /// # Errors
 /// A stop that nothing can keep from being passed, or a system that cannot be evaluated.
 pub(in crate::simulate) fn resolve(
-    motion: &mut Motion,
+    motion: &mut Equations,
     time: f64,
     state: &mut State,
     tolerance: f64,
@@ -124,14 +124,14 @@ pub(in crate::simulate) fn resolve(
 }
 
 /// Rigid stops that are touched, or hold, and all dry friction.
-fn rows(motion: &Motion, state: &State, held: &[Holding]) -> Vec<Of> {
+fn rows(motion: &Equations, state: &State, held: &[Holding]) -> Vec<Of> {
     let frictions = motion.model().hinge_friction.iter().enumerate();
     let of_friction = frictions.flat_map(|(index, friction)| (0..friction.count).map(move |k| Of::Friction(index, k)));
     touched(motion, state, held).into_iter().map(Of::Stop).chain(of_friction).collect()
 }
 
 /// Rigid stops that are touched, or hold.
-fn touched(motion: &Motion, state: &State, held: &[Holding]) -> Vec<StopSide> {
+fn touched(motion: &Equations, state: &State, held: &[Holding]) -> Vec<StopSide> {
     let stops = &motion.model().stops;
     let rigid = |side: &StopSide| stops[side.stop].is_rigid();
     let touches = |side: &StopSide| {

@@ -32,7 +32,7 @@ const MOST_BRANCHES: usize = 24;
 
 /// The `(statics.path)` table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct PathSettings {
     /// The number that moves, as it is written.
     pub parameter: String,
     /// What it stands for: all are given the same value.
@@ -58,7 +58,7 @@ pub struct Settings {
 pub struct Path {
     /// Branches in the order they were found; the first one starts at the equilibrium at `from`. None where there is no
     /// such equilibrium.
-    pub branches: Vec<Branch>,
+    pub branches: Vec<PathBranch>,
     /// The equilibrium at `from`, or the best that was found.
     pub start: Equilibrium,
     /// Whether every branch was followed to an end of the range, or into itself.
@@ -69,18 +69,18 @@ pub struct Path {
 
 /// One curve of equilibria.
 #[derive(Debug, Clone)]
-pub struct Branch {
+pub struct PathBranch {
     /// Branch and point of the bifurcation that it leaves from.
     pub parent: Option<(usize, usize)>,
     /// Its points, neighbours in order.
     pub points: Vec<PathPoint>,
     /// How it ends.
-    pub end: End,
+    pub end: BranchEnd,
 }
 
 /// How a branch ends.
 #[derive(Debug, Clone, PartialEq)]
-pub enum End {
+pub enum BranchEnd {
     /// At an end of the range.
     Range,
     /// In its own first point.
@@ -126,12 +126,12 @@ pub struct PathPoint {
     /// Whether it is one of the values that were asked for.
     pub wanted: bool,
     /// What happens here.
-    pub event: Option<Event>,
+    pub event: Option<PathEvent>,
 }
 
 /// What happens at a point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Event {
+pub struct PathEvent {
     /// Its kind.
     pub kind: EventKind,
     /// Directions that change sides.
@@ -175,7 +175,7 @@ impl EventKind {
 pub fn follow(
     description: &Description,
     statics: &super::Settings,
-    settings: &Settings,
+    settings: &PathSettings,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Path, String> {
     let mut first = description.clone();
@@ -242,13 +242,13 @@ pub fn follow(
         }
         let index = path.branches.len();
         let (branch, change) = tracer.trace(seed, go_on)?;
-        if let End::Lost(reason) = &branch.end {
+        if let BranchEnd::Lost(reason) = &branch.end {
             let at = branch.points.last().map_or(settings.from, |point| point.parameter);
             let at = number(at);
             path.notes.push(format!("branch {index} is lost at `{}` = {at}: {reason}", settings.parameter));
             path.complete = false;
         }
-        path.complete &= branch.end != End::Points;
+        path.complete &= branch.end != BranchEnd::Points;
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }

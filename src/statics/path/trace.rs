@@ -1,6 +1,6 @@
 //! One branch, point by point.
 
-use super::{Branch, End, Event, EventKind, PathPoint, Settings};
+use super::{BranchEnd, EventKind, PathBranch, PathEvent, PathPoint, PathSettings};
 use crate::model::Side;
 use crate::statics::certify::bearing::Set;
 use crate::statics::certify::stability::StabilityVerdict;
@@ -24,7 +24,7 @@ const ON: f64 = 0.4;
 /// What follows branches.
 pub(super) struct Tracer<'a> {
     pub(super) moving: Moving<'a>,
-    pub(super) settings: &'a Settings,
+    pub(super) settings: &'a PathSettings,
 }
 
 /// Where a branch begins.
@@ -53,12 +53,12 @@ pub(super) struct StopChange {
 struct Between {
     s: f64,
     point: Point,
-    event: Option<Event>,
+    event: Option<PathEvent>,
     wanted: bool,
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(moving: Moving<'a>, settings: &'a Settings) -> Self {
+    pub(super) fn new(moving: Moving<'a>, settings: &'a PathSettings) -> Self {
         Self { moving, settings }
     }
 
@@ -78,7 +78,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Whether a seed lies on a branch that was followed already.
-    pub(super) fn is_on(&self, seed: &Seed, branch: &Branch) -> bool {
+    pub(super) fn is_on(&self, seed: &Seed, branch: &PathBranch) -> bool {
         let away = |point: &PathPoint| {
             let x = self.moving.apart(&seed.point.place.q, &point.position);
             Direction { x, parameter: point.parameter - seed.point.parameter }
@@ -93,11 +93,11 @@ impl<'a> Tracer<'a> {
         &mut self,
         seed: Seed,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<(Branch, Option<StopChange>), String> {
+    ) -> Result<(PathBranch, Option<StopChange>), String> {
         let parent = seed.parent;
         let first = seed.point;
         let mut count = self.moving.count(&first.place, first.parameter)?;
-        let mut branch = Branch { parent, points: Vec::new(), end: End::Points };
+        let mut branch = PathBranch { parent, points: Vec::new(), end: BranchEnd::Points };
         let wanted = self.settings.at.contains(&first.parameter);
         self.push(&mut branch, &first, count, 0.0, None, wanted)?;
         let (mut here, mut arclength, mut step) = (first.clone(), 0.0, 0.25 * self.settings.step);
@@ -108,7 +108,7 @@ impl<'a> Tracer<'a> {
                 Err(reason) => {
                     step *= 0.4;
                     if step < SMALLEST * self.settings.step {
-                        branch.end = End::Lost(reason);
+                        branch.end = BranchEnd::Lost(reason);
                         break;
                     }
                     continue;
@@ -136,29 +136,29 @@ impl<'a> Tracer<'a> {
                 let (stop, lifts) = (self.moving.stop(change.index), change.set[change.index].is_none());
                 let kind = if lifts { EventKind::Lift } else { EventKind::Stop };
                 let carriers = vec![self.moving.model().owner(stop.velocity).to_owned()];
-                let event = Event { kind, directions: 1, carriers };
+                let event = PathEvent { kind, directions: 1, carriers };
                 self.push(&mut branch, &change.point, count, arclength + change.s, Some(event), false)?;
                 let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(change.side));
-                branch.end = End::Stop { hinge, limit, lifts };
+                branch.end = BranchEnd::Stop { hinge, limit, lifts };
                 return Ok((branch, Some(change)));
             }
             if leaves {
                 let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
-                let lost = || End::Lost("the end of the range cannot be met".to_owned());
-                branch.end = if reached { End::Range } else { lost() };
+                let lost = || BranchEnd::Lost("the end of the range cannot be met".to_owned());
+                branch.end = if reached { BranchEnd::Range } else { lost() };
                 break;
             }
             arclength += step;
             self.push(&mut branch, &next, next_count, arclength, None, false)?;
             if arclength > 8.0 * self.settings.step && self.is_back(&first, &next, step) {
-                branch.end = End::Closed;
+                branch.end = BranchEnd::Closed;
                 break;
             }
             let factor = [2.0, 2.0, 1.6, 1.2, 1.0].get(next.iterations).copied().unwrap_or(0.6);
             step = (step * factor).min(self.settings.step);
             (here, count) = (next, next_count);
             if !go_on(here.parameter) {
-                branch.end = End::Lost("stopped from outside".to_owned());
+                branch.end = BranchEnd::Lost("stopped from outside".to_owned());
                 break;
             }
         }
@@ -219,7 +219,7 @@ impl<'a> Tracer<'a> {
             EventKind::Fold => self.carriers(&point.ahead.x.clone()),
             _ => self.null(&point).map_or(Vec::new(), |x| self.carriers(&x)),
         };
-        Between { s, point, event: Some(Event { kind, directions, carriers }), wanted: false }
+        Between { s, point, event: Some(PathEvent { kind, directions, carriers }), wanted: false }
     }
 
     /// The place where a number of directions changes, by halving.
@@ -362,11 +362,11 @@ impl<'a> Tracer<'a> {
 
     fn push(
         &mut self,
-        branch: &mut Branch,
+        branch: &mut PathBranch,
         point: &Point,
         count: Count,
         arclength: f64,
-        event: Option<Event>,
+        event: Option<PathEvent>,
         wanted: bool,
     ) -> Result<(), String> {
         let record = self.moving.record(&point.place.q, point.parameter)?;
@@ -394,7 +394,7 @@ impl<'a> Tracer<'a> {
 }
 
 /// Where other branches leave the bifurcations of a branch.
-pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &Branch, index: usize, notes: &mut Vec<String>) -> Vec<Seed> {
+pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &PathBranch, index: usize, notes: &mut Vec<String>) -> Vec<Seed> {
     let mut found = Vec::new();
     for (at, point) in branch.points.iter().enumerate() {
         let Some(event) = point.event.as_ref().filter(|event| event.kind == EventKind::Bifurcation) else { continue };

@@ -40,7 +40,7 @@ use marquardt::least_squares;
 use problem::Problem;
 use residuals::{Minimum, Stop};
 use roles::Roles;
-use table::Table;
+use table::MeasuredTable;
 
 /// Singular values of the Jacobian below this part of the largest are zero: by exact derivatives, and by differences.
 const RANK: [f64; 2] = [1e-8, 1e-5];
@@ -124,7 +124,7 @@ pub fn deviation(text: &str) -> Result<(String, f64), String> {
 
 /// What is asked of a fit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Question {
+pub struct FitQuestion {
     /// The numbers that are fitted.
     pub parameters: Vec<Adjusted>,
     /// Measurements are of a run, at the times of the column `time`; else of the equilibrium.
@@ -174,7 +174,7 @@ pub struct Fitted {
 
 /// A measured column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Residual {
+pub struct ColumnFit {
     /// As in the heading.
     pub name: String,
     /// SI unit.
@@ -195,7 +195,7 @@ pub struct Fit {
     /// The parameters, in the order of the question.
     pub parameters: Vec<Fitted>,
     /// The measured columns.
-    pub columns: Vec<Residual>,
+    pub columns: Vec<ColumnFit>,
     /// Covariances of the parameters, row by row; `NaN` of those that have no standard error.
     pub covariance: Vec<Vec<f64>>,
     /// Measurements less parameters that they determine.
@@ -231,8 +231,8 @@ impl Fit {
 pub fn fit(
     scenario: &Scenario,
     set: &[Override],
-    table: &Table,
-    question: &Question,
+    table: &MeasuredTable,
+    question: &FitQuestion,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Fit, Trouble> {
     if question.parameters.is_empty() {
@@ -269,8 +269,8 @@ fn told(
     found: &Minimum,
     problem: &Problem<'_>,
     start: &[f64],
-    (scenario, question): (&Scenario, &Question),
-    table: &Table,
+    (scenario, question): (&Scenario, &FitQuestion),
+    table: &MeasuredTable,
 ) -> Fit {
     let count = start.len();
     let falls = |j: usize| found.falls.iter().any(|(falling, _)| *falling == j);
@@ -316,9 +316,9 @@ fn told(
 /// Refuses addresses of which one would undo what another sets: derivatives and errors would be those of another scene.
 fn refuse_overlaps(
     (scenario, set): (&Scenario, &[Override]),
-    table: &Table,
+    table: &MeasuredTable,
     roles: &Roles,
-    question: &Question,
+    question: &FitQuestion,
 ) -> Result<(), Trouble> {
     let settings = roles.settings.iter().map(|place| table.columns[*place].name.as_str());
     let paths: Vec<&str> = settings.chain(question.parameters.iter().map(|one| one.address.as_str())).collect();

@@ -1,15 +1,15 @@
 //! What a person should know of a fit beside its numbers.
 
 use super::residuals::{Minimum, Way};
-use super::table::Table;
-use super::{Fit, Residual};
+use super::table::MeasuredTable;
+use super::{ColumnFit, Fit};
 use crate::model::problem::{number, significant};
 
 /// Parameters that are correlated by more than this are told.
 const CLOSE: f64 = 0.99;
 
 /// All of them; `by_spread` if a column counts by the spread of what was measured.
-pub(super) fn of(fit: &Fit, found: &Minimum, table: &Table, by_spread: bool) -> Vec<String> {
+pub(super) fn of(fit: &Fit, found: &Minimum, table: &MeasuredTable, by_spread: bool) -> Vec<String> {
     let mut notes = falling(fit, found);
     if !fit.converged && notes.is_empty() {
         let why = found.refused.as_ref().map(|why| format!("; where it would have gone on there is no answer: {why}"));
@@ -99,7 +99,7 @@ fn falling(fit: &Fit, found: &Minimum) -> Vec<String> {
 }
 
 /// How many cells of a measured column have no number.
-fn empty(column: &Residual, table: &Table) -> Option<String> {
+fn empty(column: &ColumnFit, table: &MeasuredTable) -> Option<String> {
     let empty = table.rows() - column.count;
     let (which, are) = if empty == 1 { ("cell", "is") } else { ("cells", "are") };
     let name = &column.name;

@@ -4,8 +4,8 @@ use super::observe::{Observed, Solved, at_rest, derivatives, over_time};
 use super::residuals::{Residuals, Stop};
 use super::roles::{Measure, Roles};
 use super::scenes::Scenes;
-use super::table::Table;
-use super::{Question, Residual, Trouble};
+use super::table::MeasuredTable;
+use super::{ColumnFit, FitQuestion, Trouble};
 use crate::model::Parameter;
 use crate::scenario::{Override, Scenario};
 use nalgebra::{DMatrix, DVector};
@@ -68,8 +68,8 @@ pub(super) struct Problem<'p> {
 impl<'p> Problem<'p> {
     pub(super) fn new(
         (scenario, set): (&'p Scenario, &'p [Override]),
-        table: &Table,
-        question: &Question,
+        table: &MeasuredTable,
+        question: &FitQuestion,
         roles: &Roles,
         start: &[f64],
         go_on: &'p (dyn Fn() -> bool + Sync),
@@ -115,11 +115,11 @@ impl<'p> Problem<'p> {
     }
 
     /// What is left in each column.
-    pub(super) fn columns(&self, residuals: &DVector<f64>) -> Vec<Residual> {
-        let mut all: Vec<Residual> = self
+    pub(super) fn columns(&self, residuals: &DVector<f64>) -> Vec<ColumnFit> {
+        let mut all: Vec<ColumnFit> = self
             .about
             .iter()
-            .map(|(name, unit, deviation)| Residual {
+            .map(|(name, unit, deviation)| ColumnFit {
                 name: name.clone(),
                 unit: unit.clone(),
                 count: 0,
@@ -264,7 +264,7 @@ impl Residuals for Problem<'_> {
 }
 
 /// The experiments of a table, in the order in which they come first.
-fn experiments(table: &Table, roles: &Roles) -> Vec<Experiment> {
+fn experiments(table: &MeasuredTable, roles: &Roles) -> Vec<Experiment> {
     let mut all: Vec<Experiment> = Vec::new();
     for row in 0..table.rows() {
         let settings: Vec<f64> = roles.settings.iter().map(|place| table.columns[*place].values[row]).collect();
@@ -298,8 +298,8 @@ fn experiments(table: &Table, roles: &Roles) -> Vec<Experiment> {
 
 /// Headings, units and deviations of the measured columns.
 fn about(
-    table: &Table,
-    question: &Question,
+    table: &MeasuredTable,
+    question: &FitQuestion,
     roles: &Roles,
     experiments: &[Experiment],
 ) -> Result<Vec<(String, String, f64)>, Trouble> {

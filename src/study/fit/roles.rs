@@ -1,8 +1,8 @@
 //! What the columns of a table are: the time, numbers that were set, and what was measured.
 
 use super::scenes::accepts;
-use super::table::{Column, Table};
-use super::{Question, Trouble};
+use super::table::{DataColumn, MeasuredTable};
+use super::{FitQuestion, Trouble};
 use crate::model::description::{OutputDescription, QuantityDescription};
 use crate::model::{Model, Parameter};
 use crate::quantity::Dimension;
@@ -51,10 +51,10 @@ impl Roles {
     /// # Errors
     /// A column that is nothing that is known, an empty cell of a number that was set, nothing measured.
     pub(super) fn of(
-        table: &Table,
+        table: &MeasuredTable,
         (scenario, set): (&Scenario, &[Override]),
         model: &Model,
-        question: &Question,
+        question: &FitQuestion,
     ) -> Result<Self, Trouble> {
         for name in &question.ignored {
             if !table.columns.iter().any(|column| column.name == *name) {
@@ -92,9 +92,9 @@ impl Roles {
     fn measured(
         &mut self,
         place: usize,
-        column: &Column,
+        column: &DataColumn,
         model: &Model,
-        question: &Question,
+        question: &FitQuestion,
     ) -> Result<Option<MeasuredColumn>, Trouble> {
         let name = column.name.as_str();
         if name == TIME && question.run {
@@ -143,10 +143,10 @@ impl Roles {
     fn setting(
         &mut self,
         place: usize,
-        column: &Column,
+        column: &DataColumn,
         (scenario, set): (&Scenario, &[Override]),
         model: &Model,
-        question: &Question,
+        question: &FitQuestion,
     ) -> Result<(), Trouble> {
         let name = column.name.as_str();
         if let Some(row) = column.values.iter().position(|x| x.is_nan()) {
@@ -199,7 +199,7 @@ fn frequency(name: &str) -> Option<usize> {
     FREQUENCIES.iter().find_map(|before| name.strip_prefix(before)?.strip_suffix(']')?.parse().ok())
 }
 
-fn check_unit(column: &Column, unit: &str) -> Result<(), Trouble> {
+fn check_unit(column: &DataColumn, unit: &str) -> Result<(), Trouble> {
     let Some(measured) = column.dimension else { return Ok(()) };
     match Dimension::of(unit) {
         Ok(own) if own != measured => {

@@ -5,7 +5,7 @@ use crate::quantity::{Dimension, Quantity};
 
 /// A measured column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct DataColumn {
     /// As in the heading, without the unit.
     pub name: String,
     /// What the unit measures, if the heading has one; the numbers are in SI units and radians.
@@ -16,12 +16,12 @@ pub struct Column {
 
 /// What was measured, row by row.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
+pub struct MeasuredTable {
     /// Columns of one length.
-    pub columns: Vec<Column>,
+    pub columns: Vec<DataColumn>,
 }
 
-impl Table {
+impl MeasuredTable {
     /// A table of headings and columns. A heading is a name, or a name with a unit as in `travel [mm]`: its numbers become SI units
     /// then. `NaN` is a cell in which nothing was measured.
     ///
@@ -51,7 +51,7 @@ impl Table {
                 values.iter_mut().for_each(|x| *x *= one.value);
                 dimension = Some(one.dimension);
             }
-            table.columns.push(Column { name: name.to_owned(), dimension, values });
+            table.columns.push(DataColumn { name: name.to_owned(), dimension, values });
         }
         Ok(table)
     }
@@ -78,11 +78,11 @@ mod tests {
     #[test]
     fn units_of_headings_become_si_units() {
         let columns = vec![("travel [mm]".to_owned(), vec![1.0, f64::NAN]), ("tip[2]".to_owned(), vec![2.0, 3.0])];
-        let table = Table::new(columns).expect("a table");
+        let table = MeasuredTable::new(columns).expect("a table");
         assert_eq!(table.columns[0].name, "travel");
         assert_eq!(table.columns[0].values[0], 1e-3);
         assert_eq!((table.columns[1].name.as_str(), table.columns[1].dimension), ("tip[2]", None));
-        let wrong = Table::new(vec![("travel [mn]".to_owned(), vec![1.0])]).expect_err("no unit");
+        let wrong = MeasuredTable::new(vec![("travel [mn]".to_owned(), vec![1.0])]).expect_err("no unit");
         assert!(wrong.contains("travel [mn]"), "{wrong}");
     }
 }

@@ -1,7 +1,7 @@
 //! Several columns side by side: every operation is done for all of them before the next.
 
 use super::cause::Cause;
-use super::place::Kind;
+use super::place::ColumnKind;
 use super::{LANES, Lanes, Row};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
@@ -56,25 +56,25 @@ impl Field {
 
     /// Eq. (J4) across one coordinate: from its parent to its link, and `x ← q̈` from `x = D⁻¹ u`.
     #[inline(always)]
-    pub(super) fn cross(&mut self, kind: Kind, row: &Row, x: &mut Lanes) {
+    pub(super) fn cross(&mut self, kind: ColumnKind, row: &Row, x: &mut Lanes) {
         match kind {
-            Kind::Turn => {
+            ColumnKind::Turn => {
                 self.shift(&row.arm);
                 self.solve(row, x);
                 add(&mut self.angular, &row.axis, x);
             }
-            Kind::Slide => {
+            ColumnKind::Slide => {
                 self.shift(&row.arm);
                 self.solve(row, x);
                 add(&mut self.linear, &row.axis, x);
             }
-            Kind::Screw { pitch } => {
+            ColumnKind::Screw { pitch } => {
                 self.shift(&row.arm);
                 self.solve(row, x);
                 add(&mut self.angular, &row.axis, x);
                 add(&mut self.linear, &(pitch * row.axis), x);
             }
-            Kind::Further => {
+            ColumnKind::Further => {
                 self.solve(row, x);
                 add(&mut self.angular, &row.axis, x);
             }
@@ -112,13 +112,13 @@ impl Load {
 
     /// Eqs. (6) and (7) across the hinge of one link, for the columns where `mask` is one; `x ← D⁻¹ u`.
     #[inline(always)]
-    pub(super) fn pass<const MASKED: bool>(&mut self, kind: Kind, rows: &[Row], mask: &Lanes, x: &mut [Lanes]) {
+    pub(super) fn pass<const MASKED: bool>(&mut self, kind: ColumnKind, rows: &[Row], mask: &Lanes, x: &mut [Lanes]) {
         for (row, x) in rows.iter().zip(x).rev() {
             let mut u = [0.0; LANES];
             match kind {
-                Kind::Slide => resist(&row.axis, &self.force, &mut u),
-                Kind::Turn | Kind::Further => resist(&row.axis, &self.moment, &mut u),
-                Kind::Screw { pitch } => {
+                ColumnKind::Slide => resist(&row.axis, &self.force, &mut u),
+                ColumnKind::Turn | ColumnKind::Further => resist(&row.axis, &self.moment, &mut u),
+                ColumnKind::Screw { pitch } => {
                     let mut along = [0.0; LANES];
                     resist(&row.axis, &self.moment, &mut u);
                     resist(&(pitch * row.axis), &self.force, &mut along);

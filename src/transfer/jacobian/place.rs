@@ -5,8 +5,8 @@ use std::ops::Range;
 
 /// A velocity coordinate in the sweeps. Coordinates stand in the order of their links.
 #[derive(Debug, Clone)]
-pub(super) struct Place {
-    pub kind: Kind,
+pub(super) struct ColumnPlace {
+    pub kind: ColumnKind,
     /// First coordinate of its link, and one past the link's last.
     pub first: usize,
     pub next: usize,
@@ -24,7 +24,7 @@ pub(super) struct Place {
 
 /// What a coordinate moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ColumnKind {
     /// A turn, or the first axis of a ball.
     Turn,
     Slide,
@@ -48,8 +48,8 @@ pub(super) enum From {
 }
 
 /// The places of all velocity coordinates, and how many fields have to be kept at the same time.
-pub(super) fn places(model: &Model) -> (Vec<Place>, usize) {
-    let mut places: Vec<Place> = Vec::with_capacity(model.velocity_count());
+pub(super) fn places(model: &Model) -> (Vec<ColumnPlace>, usize) {
+    let mut places: Vec<ColumnPlace> = Vec::with_capacity(model.velocity_count());
     let mut most_kept = 0;
     // Slots in use on the way from the ground to each link, its own included.
     let mut slots = vec![0; model.links.len()];
@@ -64,12 +64,12 @@ pub(super) fn places(model: &Model) -> (Vec<Place>, usize) {
         most_kept = most_kept.max(slots[index]);
         for i in link.velocity..next {
             let is_first = i == link.velocity;
-            places.push(Place {
+            places.push(ColumnPlace {
                 kind: match link.joint {
-                    Joint::Slide { .. } => Kind::Slide,
-                    Joint::Screw { pitch } => Kind::Screw { pitch },
-                    _ if is_first => Kind::Turn,
-                    _ => Kind::Further,
+                    Joint::Slide { .. } => ColumnKind::Slide,
+                    Joint::Screw { pitch } => ColumnKind::Screw { pitch },
+                    _ if is_first => ColumnKind::Turn,
+                    _ => ColumnKind::Further,
                 },
                 first: link.velocity,
                 next,

@@ -5,7 +5,7 @@ use crate::spatial::quad::Quad;
 
 /// `D`, eliminated.
 #[derive(Debug, Clone)]
-pub(super) struct Block {
+pub(super) struct FlexBlock {
     /// `D`, then its factors.
     pub(super) pivot: Pivot,
     /// `D⁻¹`, row by row.
@@ -16,7 +16,7 @@ pub(super) struct Block {
     unit: Vec<f64>,
 }
 
-impl Block {
+impl FlexBlock {
     /// Of so many coordinates.
     pub(super) fn new(m: usize) -> Self {
         Self {

@@ -8,7 +8,7 @@
 //! ```
 
 use super::At;
-use super::block::Block;
+use super::block::FlexBlock;
 use super::parts::{Carried, RATES, Varied};
 use super::rod::carry_row;
 use crate::element::modal::Modal;
@@ -26,7 +26,7 @@ pub(super) struct ModalTangent {
     /// `N`, then `N D⁻¹`.
     columns: Vec<(Quad, Quad)>,
     rows: Vec<Varied>,
-    block: Block,
+    block: FlexBlock,
     products: Vec<(Quad, Quad)>,
     tips: Vec<Tip>,
     /// A unit of one coordinate, of its rate and of its second rate.
@@ -59,7 +59,7 @@ impl ModalTangent {
             u: vec![0.0; m],
             columns: vec![none; m],
             rows: vec![Varied::default(); m],
-            block: Block::new(m),
+            block: FlexBlock::new(m),
             products: vec![none; m],
             tips: tips.collect(),
             direction: [0, 1, 2].map(|_| vec![0.0; m]),
@@ -91,7 +91,7 @@ impl ModalTangent {
         let carried = (frame, &at.balance.accelerations[link.parent]);
         let swing = here.swing(frame);
         let state = [&moves.q[..], &moves.v, second];
-        let Self { tips, direction, block: Block { pivot, .. }, columns, rows, .. } = self;
+        let Self { tips, direction, block: FlexBlock { pivot, .. }, columns, rows, .. } = self;
         let Tip { moved_by, h, z } = &mut tips[tip];
         z.copy_from_slice(&here.columns);
         for (k, j) in moved_by.iter().enumerate() {

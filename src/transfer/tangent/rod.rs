@@ -12,7 +12,7 @@
 //! ```
 
 use super::At;
-use super::block::Block;
+use super::block::FlexBlock;
 use super::parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
 use crate::element::{Local, Rod, RodMotion, bracket, halves, joined, row};
 use crate::model::Model;
@@ -35,7 +35,7 @@ pub(super) struct RodTangent {
     whole: Vec<Varied>,
     /// `H` of the element as one hinge.
     tip: Vec<Vector6<f64>>,
-    block: Block,
+    block: FlexBlock,
 }
 
 /// What eq. (7) needs of a step.
@@ -112,7 +112,7 @@ impl RodTangent {
             step: vec![Varied::default(); m],
             whole: vec![Varied::default(); m],
             tip: vec![Vector6::zeros(); m],
-            block: Block::new(m),
+            block: FlexBlock::new(m),
         }
     }
 

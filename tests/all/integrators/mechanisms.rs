@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use stillpoint::integrate::{Method, Options, Problem, Start};
 use stillpoint::model::Model;
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 
 use super::order::{assert_order, of_one_order, order};
 use super::{adaptive, distance, fixed};
@@ -48,7 +48,7 @@ fn start(model: &Model, end: f64) -> Start<'_> {
 
 /// State at the end of a run.
 fn end_state(method: Method, model: &Arc<Model>, options: &Options, start: Start<'_>) -> Vec<f64> {
-    let mut motion = Motion::new(model);
+    let mut motion = Equations::new(model);
     let mut stepper = method.start(&mut motion, options, start).expect("the run starts");
     while !stepper.finished() {
         stepper.step(&mut motion).unwrap_or_else(|error| panic!("{method:?}: {error}"));
@@ -103,7 +103,7 @@ fn gauss_runs_back_to_where_it_came_from() {
         [&model.start_position[..], &model.start_velocity.iter().map(|v| -v).collect::<Vec<_>>()].concat();
     let mut home = home;
     let count = model.position_count();
-    Motion::new(&model).normalize(&mut home[..count]);
+    Equations::new(&model).normalize(&mut home[..count]);
     // Rounding of a hundred steps there and a hundred back, grown by the chain's own sensitivity.
     let off = distance(&back, &home);
     assert!(off < 1e-11, "{off:e}");
@@ -128,8 +128,8 @@ hinge = { type = "spherical", position = [0.96, 0.28, 0.0, 0.0], velocity = [0.3
 /// The largest |E − E₀| / (energy above that of the coordinates at zero) in each of four quarters of a run.
 fn energy_swings(scene: &str, method: Method, step: f64, steps: u32) -> [f64; 4] {
     let model = model(scene);
-    let mut motion = Motion::new(&model);
-    let energy = |motion: &mut Motion, q: &[f64], v: &[f64]| {
+    let mut motion = Equations::new(&model);
+    let energy = |motion: &mut Equations, q: &[f64], v: &[f64]| {
         let energies = motion.at(0.0, q, v).energies();
         energies.kinetic + energies.potential
     };
@@ -195,7 +195,7 @@ hinge = { type = "revolute", next = "tip", axis = [0.0, 1.0, 0.0] }
         (Method::Gauss, fixed(1e-3), 17.0),
     ];
     for (method, options, most) in runs {
-        let mut motion = Motion::new(&model);
+        let mut motion = Equations::new(&model);
         let mut stepper = method.start(&mut motion, &options, start(&model, 0.1)).expect("the run starts");
         while !stepper.finished() {
             stepper.step(&mut motion).unwrap_or_else(|error| panic!("{method:?}: {error}"));

@@ -8,7 +8,7 @@ use stillpoint::dynamics::System;
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::scenario;
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 use stillpoint::statics::{Settings, equilibrium};
 
 /// All begin where the hinges are given.
@@ -90,7 +90,7 @@ fn massless_driven_bodies_are_the_limit_of_light_ones() {
 #[test]
 fn massless_driven_bodies_run_and_rest() {
     let end = |model: &Arc<Model>, method: Method| {
-        let mut motion = Motion::new(model);
+        let mut motion = Equations::new(model);
         let options = Options { relative: 1e-9, absolute: 1e-9, ..Options::default() };
         let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 0.4 };
         let mut stepper = method.start(&mut motion, &options, start).expect("the run starts");

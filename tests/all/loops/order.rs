@@ -4,12 +4,12 @@ use super::{FOUR_BAR, read};
 use std::sync::Arc;
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
-use stillpoint::simulate::problem::Motion;
+use stillpoint::simulate::problem::Equations;
 
 const END: f64 = 0.32;
 
 fn end_state(model: &Arc<Model>, method: Method, options: &Options) -> Vec<f64> {
-    let mut motion = Motion::new(model);
+    let mut motion = Equations::new(model);
     let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: END };
     let mut stepper = method.start(&mut motion, options, start).expect("the run starts");
     while !stepper.finished() {

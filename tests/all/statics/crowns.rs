@@ -117,7 +117,7 @@ fn symmetric_crowns_end_stable() {
 /// within a step of the point that it leaves from, and within the range of the parameter.
 #[test]
 fn branches_begin_beside_their_bifurcations() {
-    use stillpoint::statics::path::{Settings as Way, follow};
+    use stillpoint::statics::path::{PathSettings, follow};
     let mut random = Random::new(11);
     let (mut branches, mut notes) = (0, 0);
     for case in 0..4 {
@@ -131,7 +131,7 @@ fn branches_begin_beside_their_bifurcations() {
         let (parameter, at, coordinate) = ("push.force[2]".to_owned(), Vec::new(), None);
         let most = 0.5 * stiffness[0] * height;
         let (from, to, step) = (most, -most, 0.05);
-        let way = Way { parameter, numbers, from, to, at, step, points: 60, branches: true, coordinate };
+        let way = PathSettings { parameter, numbers, from, to, at, step, points: 60, branches: true, coordinate };
         let path = follow(&description, &Settings::default(), &way, &mut |_| true)
             .unwrap_or_else(|why| panic!("{case}: {why}"));
         for (index, branch) in path.branches.iter().enumerate() {

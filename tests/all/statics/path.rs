@@ -5,7 +5,7 @@ use crate::scenarios::shipped;
 use std::f64::consts::{FRAC_PI_3, PI};
 use stillpoint::scenario::{self, Override, Scenario};
 use stillpoint::statics::StabilityVerdict;
-use stillpoint::statics::path::{Branch, End, EventKind, Path, PathPoint, follow};
+use stillpoint::statics::path::{BranchEnd, EventKind, Path, PathBranch, PathPoint, follow};
 
 fn path_of(scenario: &Scenario) -> Path {
     let settings = scenario.path.as_ref().expect("a path");
@@ -34,7 +34,7 @@ fn events(path: &Path, kind: EventKind) -> Vec<(usize, &PathPoint)> {
     path.events().filter(|(_, point)| point.event.as_ref().is_some_and(|event| event.kind == kind)).collect()
 }
 
-fn wanted(branch: &Branch) -> impl Iterator<Item = &PathPoint> {
+fn wanted(branch: &PathBranch) -> impl Iterator<Item = &PathPoint> {
     branch.points.iter().filter(|point| point.wanted)
 }
 
@@ -196,7 +196,7 @@ fn motions_that_cost_nothing_do_not_stop_a_path() {
         );
     }
     let path = followed(&text);
-    assert_eq!(path.branches[0].end, End::Range);
+    assert_eq!(path.branches[0].end, BranchEnd::Range);
     for point in &path.branches[0].points {
         assert_eq!((point.verdict, point.event.is_none()), (StabilityVerdict::Neutral, true));
         let down = point.poses[2].rotation * -nalgebra::Vector3::z();
@@ -236,7 +236,7 @@ fn a_path_ends_where_it_leaves_its_range_again() {
     near(fold.parameter, 9.80665, 1e-11);
     near(fold.position[0], 0.5 * PI, 1e-9);
     let last = path.branches[0].points.last().expect("points");
-    assert_eq!((path.branches[0].end.clone(), last.parameter), (End::Range, 0.0));
+    assert_eq!((path.branches[0].end.clone(), last.parameter), (BranchEnd::Range, 0.0));
     near(last.position[0], PI, 1e-12);
 }
 
@@ -299,9 +299,9 @@ fn a_barrier_lifts_off_one_stop_and_comes_to_the_other() {
     assert_eq!(stop.event.as_ref().expect("it").carriers, ["boom"]);
     let [first, second, third] = &path.branches[..] else { panic!("three branches: {:?}", path.notes) };
     assert_eq!((second.parent.map(|(branch, _)| branch), third.parent.map(|(branch, _)| branch)), (Some(0), Some(1)));
-    assert!(matches!(&first.end, End::Stop { hinge, limit, lifts: true } if hinge == "`boom`" && *limit == -0.1));
-    assert!(matches!(&second.end, End::Stop { limit, lifts: false, .. } if *limit == 1.2));
-    assert_eq!(third.end, End::Range);
+    assert!(matches!(&first.end, BranchEnd::Stop { hinge, limit, lifts: true } if hinge == "`boom`" && *limit == -0.1));
+    assert!(matches!(&second.end, BranchEnd::Stop { limit, lifts: false, .. } if *limit == 1.2));
+    assert_eq!(third.end, BranchEnd::Range);
     // Along the last branch the boom stays where it is, and the sign hangs.
     for point in &third.points {
         near(point.position[0], 1.2, 1e-12);
@@ -323,7 +323,7 @@ fn a_path_goes_on_where_stops_leave_nothing_to_move() {
     // The sine of the angle times m g l, up to the stop.
     let [(0, stop)] = events(&path, EventKind::Stop)[..] else { panic!("one stop: {:?}", path.notes) };
     near(stop.parameter, 9.80665 * 0.3_f64.sin(), 1e-9);
-    assert_eq!((path.branches.len(), path.branches[1].end.clone()), (2, End::Range));
+    assert_eq!((path.branches.len(), path.branches[1].end.clone()), (2, BranchEnd::Range));
     near(path.branches[1].points.last().expect("points").position[0], 0.3, 1e-15);
     // Rubber gives way: m g l sin q + k (q − 0.3) = F on its branch.
     let path = followed(&bob.replace("[-0.5, 0.3]", "{ low = -0.5, high = 0.3, stiffness = 40.0, damping = 1.0 }"));
