@@ -78,3 +78,44 @@ fn every_path_of_the_map_is_there() {
         assert!(["src", "", "scenarios"].into_iter().any(there), "`{name}` is not there");
     }
 }
+
+/// Pages that tell of the code name its files, as `statics/search/curve.rs`, and its modules, as `statics::search`: each is there.
+#[test]
+fn every_file_and_module_that_pages_name_is_there() {
+    let mut named = 0;
+    for (page, text) in pages().into_iter().filter(|(page, _)| page != "CHANGELOG.md") {
+        for name in text.split('`').skip(1).step_by(2) {
+            let is_path = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || "_/:.".contains(c));
+            if name.ends_with(".rs") && name.contains('/') && is_path(name) {
+                named += 1;
+                let there = ["", "src", "tests/all"].into_iter().any(|folder| root().join(folder).join(name).exists());
+                assert!(there, "{page}: `{name}` is not there");
+            }
+            let parts: Vec<&str> = name.split("::").collect();
+            if parts.len() > 1
+                && parts.iter().all(|part| !part.is_empty() && is_path(part))
+                && module(&root().join("src"), parts[0]).is_some()
+            {
+                named += 1;
+                assert!(is_in_code(&parts), "{page}: `{name}` is not there");
+            }
+        }
+    }
+    assert!(named > 60, "{named}");
+}
+
+/// The file or folder of a module.
+fn module(folder: &Path, name: &str) -> Option<PathBuf> {
+    [folder.join(name), folder.join(format!("{name}.rs"))].into_iter().find(|path| path.exists())
+}
+
+/// Whether modules lead to a module, or to something whose name stands in the last of them.
+fn is_in_code(parts: &[&str]) -> bool {
+    let (mut at, mut deep) = (root().join("src"), 0);
+    while let Some(next) = parts.get(deep).and_then(|name| module(&at, name)) {
+        (at, deep) = (next.with_extension(""), deep + 1);
+    }
+    let Some(item) = parts.get(deep) else { return true };
+    let files = [at.with_extension("rs"), at.join("mod.rs")];
+    files.iter().filter_map(|path| fs::read_to_string(path).ok()).any(|text| text.contains(item))
+}

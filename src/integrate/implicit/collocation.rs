@@ -31,7 +31,7 @@ pub(crate) struct Collocation {
     pub(crate) rows: Vec<Vec<f64>>,
     /// `b_j`.
     pub(crate) weights: Vec<f64>,
-    /// What (2) has beyond a line, in the nested form of `dense.rs`: weights of `r₂, …, r_s`.
+    /// What (2) has beyond a line, in the nested form of `step/dense.rs`: weights of `r₂, …, r_s`.
     pub(crate) nested: Vec<Vec<f64>>,
 }
 

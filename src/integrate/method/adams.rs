@@ -55,7 +55,7 @@ use crate::integrate::{
 
 /// Highest order: above it rounding of the differences and poor stability cost more than is gained.
 const MOST: usize = MOST_TERMS - 2;
-/// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are many and short, and their
+/// Smallest share of the tolerance that a step is asked for (see `step/norm.rs`): its steps are many and short, and their
 /// errors of one sign.
 const SMALLEST_SHARE: f64 = 1e-3;
 /// Steps aim at this part of what they may leave.

@@ -30,7 +30,7 @@ use crate::integrate::{
     step::start::Begun,
 };
 
-/// Smallest share of the tolerance that a step is asked for: see `norm.rs`.
+/// Smallest share of the tolerance that a step is asked for: see `step/norm.rs`.
 const SMALLEST_SHARE: f64 = 1.0 / 300.0;
 /// Steps at the edge that make a system stiff, and quiet ones that clear it.
 const STIFF_STEPS: u32 = 15;

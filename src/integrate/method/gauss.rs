@@ -4,7 +4,7 @@
 //! X_i = x + h Σ_j a_ij k_j,   k_i = (N(q_i) v_i, a_i),   x' = x + h Σ_j b_j k_j
 //! ```
 //!
-//! with the coefficients of `collocation.rs`, the stages solved to rounding as in `stages.rs`.
+//! with the coefficients of `implicit/collocation.rs`, the stages solved to rounding as in `stages.rs`.
 //!
 //! **What it keeps**: the method is symmetric (run backwards from its end it returns to its start, up to rounding) and
 //! keeps quadratic invariants of `(q, v)`, among them the norms of quaternions. It is symplectic where the mass matrix is

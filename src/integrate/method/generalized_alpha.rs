@@ -27,7 +27,7 @@
 //! ```
 //!
 //! with what the method would not resolve filtered out, `K w = c₂ M e`: the tangent of the step again, one solve each.
-//! A step is asked for its share `h/T` of the tolerance (`norm.rs`): the many steps of a method of low order add up, and with a smallest
+//! A step is asked for its share `h/T` of the tolerance (`step/norm.rs`): the many steps of a method of low order add up, and with a smallest
 //! share that is always the same a run at a tenth of the tolerance would only be a fifth as wrong. The smallest share is
 //!
 //! ```text

@@ -4,7 +4,7 @@
 //! (1)  X_i = x + h Σ_j a_ij k_j,   k_i = (N(q_i) v_i, a_i),   r(t + c_i h, q_i, v_i, a_i) = 0,   x' = X_s
 //! ```
 //!
-//! with the coefficients of `collocation.rs`. The stages are coupled; `stages.rs` solves them with one tangent of a real
+//! with the coefficients of `implicit/collocation.rs`. The stages are coupled; `stages.rs` solves them with one tangent of a real
 //! shift, an O(n) sweep.
 //!
 //! **Stability**: L-stable and stiffly accurate, as `sdirk4`. Unlike there every stage is itself of order `s`, so a
@@ -18,10 +18,10 @@
 //! (2)  e = κ h (k_0 − Σ_i ℓ_i(0) k_i) = O(h^{s+1}),
 //! ```
 //!
-//! filtered with the tangent's shift (see `filter.rs`). It is the difference to an embedded rule of order `s` (*Solving
+//! filtered with the tangent's shift (see `implicit/filter.rs`). It is the difference to an embedded rule of order `s` (*Solving
 //! ODEs II*, IV.8, with `κ` in place of the real eigenvalue), and also of the order of the error between the ends, so a sample is as good as the
 //! tolerance while the ends of steps are better: so much better that the errors of all steps add up to less than the
-//! tolerance, and every step is allowed the whole of it, not a share (`norm.rs`). The last stage of a step is the first rate of the next.
+//! tolerance, and every step is allowed the whole of it, not a share (`step/norm.rs`). The last stage of a step is the first rate of the next.
 //!
 //! The error of the end itself, where the solution behaves like `exp(λt)`, is the part
 //!
@@ -29,7 +29,7 @@
 //! (3)  s! / ((2s)! κ) · (h|λ|)^{s−1}
 //! ```
 //!
-//! of (2), with `|λ|` of `reach.rs`. Its sum over all steps is told, not asked for.
+//! of (2), with `|λ|` of `step/reach.rs`. Its sum over all steps is told, not asked for.
 //!
 //! **Between the ends**: the polynomial itself, error `O(h^{s+1})`; that of positions with the velocities at both ends as slopes.
 //!

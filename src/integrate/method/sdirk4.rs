@@ -16,7 +16,7 @@
 //! The estimate sees this and shortens the step, so tight tolerances are expensive there.
 //!
 //! **Error estimate**: the plain difference `e = h Σ_i e_i k_i` to the embedded rule does not vanish for stiff parts and
-//! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹` (see `filter.rs`).
+//! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹` (see `implicit/filter.rs`).
 //!
 //! **Between the ends**: a cubic in the stage rates, error `O(h⁴)` like that of the steps (no weights of order 4 exist).
 //! Unlike a Hermite cubic it does not use the rate at the start, which is huge where a fast transient begins. Positions,
@@ -44,7 +44,7 @@ use crate::integrate::{
     step::start::Begun,
 };
 
-/// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are better than their estimate, by an
+/// Smallest share of the tolerance that a step is asked for (see `step/norm.rs`): its steps are better than their estimate, by an
 /// order, and damp the fast ones.
 const SMALLEST_SHARE: f64 = 0.1;
 /// The error estimate is `O(h⁴)`.

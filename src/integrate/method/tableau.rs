@@ -12,7 +12,7 @@ pub(crate) mod rk4 {
 }
 
 /// Dormand–Prince 5(4): Hairer, Nørsett, Wanner, *Solving ODEs I*, II.5, Table 5.2; `DENSE` is the highest coefficient
-/// of the continuous extension, II.6, in the nested form of `dense.rs`.
+/// of the continuous extension, II.6, in the nested form of `step/dense.rs`.
 #[rustfmt::skip]
 pub(crate) mod dopri5 {
     pub(crate) const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
@@ -171,7 +171,7 @@ mod tests {
     fn dopri5_between_its_ends_has_order_4() {
         let rows = full(&dopri5::A, 0.0);
         for theta in [0.2, 0.5, 0.9] {
-            // The nested form of `dense.rs` with r₁ = h Σ b k, r₂ = h k₁ − r₁, r₃ = r₁ − h k₇ − r₂.
+            // The nested form of `step/dense.rs` with r₁ = h Σ b k, r₂ = h k₁ − r₁, r₃ = r₁ − h k₇ − r₂.
             let weight = |i: usize| {
                 let r1 = rows[6][i];
                 let r2 = f64::from(u8::from(i == 0)) - r1;
@@ -202,7 +202,7 @@ mod tests {
     fn dop853_between_its_ends_has_order_7() {
         let rows = full(&dop853::A, 0.0);
         for theta in [0.2, 0.5, 0.9] {
-            // The nested form of `dense.rs`, as above.
+            // The nested form of `step/dense.rs`, as above.
             let weight = |i: usize| {
                 let r1 = rows[12][i];
                 let r2 = f64::from(u8::from(i == 0)) - r1;

@@ -84,7 +84,7 @@ pub(crate) const E3: [f64; 12] = [
     -0.18980075407240762, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585,
     -0.4226823213237919, -0.1521609496625161, 0.20136540080403034, 0.02265179219836082,
 ];
-/// The four highest coefficients of the continuous extension of order 7, in the nested form of `dense.rs`.
+/// The four highest coefficients of the continuous extension of order 7, in the nested form of `step/dense.rs`.
 #[rustfmt::skip]
 pub(crate) const DENSE: [&[f64]; 4] = [
     &[
