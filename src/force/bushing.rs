@@ -49,7 +49,7 @@ pub struct BushingLaw {
     turn_damping: Vector3<f64>,
     /// On the second body where the frames coincide (N).
     preload: Vector3<f64>,
-    /// The same about the axes (N m).
+    /// Moment on the second body where the frames coincide (N m).
     turn_preload: Vector3<f64>,
 }
 

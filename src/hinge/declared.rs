@@ -21,11 +21,11 @@ pub struct Declared {
 /// Some of the kinds, in the order of their list.
 #[derive(Debug, Clone, Copy)]
 pub enum Which {
-    /// Those with at least one coordinate.
+    /// Kinds with at least one coordinate.
     Moving,
-    /// Those that close loops.
+    /// Kinds that close loops.
     Closing,
-    /// Those that are given so many axes.
+    /// Kinds that are given so many axes.
     Axes(usize),
 }
 

@@ -13,7 +13,7 @@ pub trait Freedom: Sized {
     const NAME: &'static str;
     /// What it does, for the reference of scenario files.
     const DOC: &'static str;
-    /// The same of a loop that it closes; `None` if it closes nothing.
+    /// What it does in a loop that it closes, for the reference; `None` if it closes nothing.
     const CLOSES: Option<&'static str>;
     /// How many axes files give: one by `axis`, two by `axes`.
     const AXES: usize = 0;

@@ -78,7 +78,7 @@ struct Watch {
     still: f64,
     /// Value and rate at the last look; 0 for a rate that is not known.
     last: [f64; 2],
-    /// The same at the next one.
+    /// Value and rate at the next one.
     next: [f64; 2],
     /// The value where it was last found on the far side.
     found: f64,

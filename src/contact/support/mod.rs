@@ -92,7 +92,7 @@ impl Cone {
         }
     }
 
-    /// The same cone with friction times a factor.
+    /// This cone with its friction times a factor.
     fn scaled(self, factor: f64) -> Self {
         match self {
             Self::Coulomb { friction } => Self::Coulomb { friction: friction * factor },
@@ -115,7 +115,7 @@ pub struct Supports {
     /// What a force has to be multiplied with to be compared with the balance of a velocity coordinate: 1 for slides, a
     /// length (m) for turns.
     units: Vec<f64>,
-    /// The same for the forces of each support.
+    /// What the forces of each support are multiplied with to be compared with each other, likewise.
     levers: Vec<f64>,
     rims: Vec<RimSupport>,
     /// Points of rims that were added: see [`Supports::added`].
