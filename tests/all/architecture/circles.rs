@@ -20,7 +20,6 @@ const CIRCLES: &[&[&str]] = &[&[
     "model/motor",
     "model/output",
     "model/parameter",
-    "model/point_mass",
     "model/prescribed",
     "model/shape",
     "model/tree",
