@@ -45,6 +45,30 @@ pub struct QuantityError {
     pub help: Option<String>,
 }
 
+/// Powers of kg, m, s and rad, and what has them.
+const NAMES: [([i8; 4], &str); 20] = [
+    ([1, 0, 0, 0], "a mass"),
+    ([0, 1, 0, 0], "a length"),
+    ([0, 0, 1, 0], "a time"),
+    ([0, 0, 0, 1], "an angle"),
+    ([0, 2, 0, 0], "an area"),
+    ([0, 3, 0, 0], "a volume"),
+    ([1, -3, 0, 0], "a density"),
+    ([1, 2, 0, 0], "a moment of inertia"),
+    ([0, 0, -1, 0], "a frequency"),
+    ([0, 1, -1, 0], "a speed"),
+    ([0, 1, -2, 0], "an acceleration"),
+    ([0, 0, -1, 1], "an angular speed"),
+    ([1, 1, -2, 0], "a force"),
+    ([1, 2, -2, 0], "a torque or an energy"),
+    ([1, -1, -2, 0], "a pressure"),
+    ([1, 2, -3, 0], "a power"),
+    ([1, 0, -2, 0], "the stiffness of a spring"),
+    ([1, 0, -1, 0], "the damping of a spring"),
+    ([1, 2, -2, -1], "the stiffness of a hinge"),
+    ([1, 2, -1, -1], "the damping of a hinge"),
+];
+
 /// The largest power of a symbol.
 const LARGEST_POWER: i8 = 9;
 
@@ -90,6 +114,12 @@ impl Dimension {
     pub fn powers(self) -> [(&'static str, i8); 4] {
         let [mass, length, time, angle] = self.0;
         [("kg", mass), ("m", length), ("s", time), ("rad", angle)]
+    }
+
+    /// What has it, with its article; `None` if that has no common name.
+    pub fn name(self) -> Option<&'static str> {
+        let named = NAMES.iter().find(|(powers, _)| *powers == self.0);
+        named.map(|(_, name)| *name)
     }
 
     /// Whether it is that of pure numbers.

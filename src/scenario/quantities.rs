@@ -97,7 +97,9 @@ fn misfit(measure: Measure, unit: &str, units: Option<&[&str]>) -> Option<(Strin
         Some([]) => Some((format!("a pure number has no unit, and not `{unit}`"), None)),
         Some([MIXED]) => Some((format!("`{unit}` is no unit of it"), Some(format!("here stands {MIXED}")))),
         Some(units) => {
-            let help = format!("it is measured in {}", units.join(" or "));
+            let other = Dimension::of(unit).ok().and_then(Dimension::name);
+            let other = other.map_or_else(String::new, |name| format!("; `{unit}` measures {name}"));
+            let help = format!("it is measured in {}{other}", units.join(" or "));
             Some((format!("`{unit}` is no unit of it"), Some(help)))
         }
     }

@@ -231,6 +231,10 @@ fn millimetres_in_markers_and_shapes_are_told() {
     told_once(&size, &["300 m is", "300 mm are 0.3"]);
     assert_eq!(warnings(&with_a_marker("[0.3, 0, 0]")), "");
     assert_eq!(warnings(&with_a_marker("[\"300 mm\", 0, 0]")), "");
+    // A hinge a metre above the ground hides it no more.
+    let above = with_a_marker("[0.3, 0, 0]").replace("center = [0.15, 0, 0]", "center = [150, 0, 0]");
+    let above = above.replace("shape = { box = [0.3, 0.1, 0.1], at = [0.15, 0, 0] }\n", "");
+    told_once(&above.replace("axis = [0, 1, 0]", "axis = [0, 1, 0], at = [0, 0, 1]"), &["150 m is", "150 mm are 0.15"]);
     // Two lengths are enough if one of them is of a body.
     let two = "[[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0.15, 0, 0]\ninertia = [0.1, 0.1, 0.1]\nmarkers = { tip = [300, 0, 0] }\n\
                hinge = { type = \"revolute\", axis = [0, 1, 0] }\n";

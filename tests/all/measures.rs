@@ -225,7 +225,7 @@ fn a_length_is_no_mass() {
     6 | mass = "{m}"
       |         ^^^
       |
-      = help: it is measured in kg; in a product a number without a unit is a pure number
+      = help: it is measured in kg; `m` measures a length; in a product a number without a unit is a pure number
 
     s.toml: 1 error
     "#);

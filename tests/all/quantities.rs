@@ -276,7 +276,7 @@ fn messages_point_at_the_unit() {
     14 | hinge = { type = "revolute", axis = [0, 1, 0], position = "45 mm", velocity = "60 rpm", stiffness = "2 N m/rad", limits = ["-90 deg"...
        |                                                               ^^
        |
-       = help: it is measured in rad
+       = help: it is measured in rad; `mm` measures a length
 
     scene.toml: 1 error
     "#);

@@ -14,7 +14,7 @@ const APART: f64 = 200.0;
 const ALIKE: f64 = 5.0;
 /// ... unless lengths lead up to it, none so many times the one before: a long row of bodies is no slip.
 const GAP: f64 = 10.0;
-/// Among this many lengths one that no other of its body bears out is out of line a bit earlier...
+/// Among this many lengths, or if all others are so many times smaller, one that no other of its body bears out is out of line a bit earlier...
 const MANY: usize = 4;
 /// ... at so many times the median...
 const EARLY: f64 = 100.0;
@@ -193,10 +193,19 @@ pub(super) fn check(scene: &Scene<'_>, lengths: &Lengths<'_>) {
         check_among(scene, &chain, |_, times| is_between(times, APART, ALIKE));
     }
     let all = of(&[Role::Place, Role::Chain, Role::Own]);
+    let is_lone = all.len() > 2 && lead(&all) >= EARLY;
     check_among(scene, &all, |length, times| {
-        let early = all.len() >= MANY && is_between(times, EARLY, NEAR);
+        let early = (all.len() >= MANY || is_lone) && is_between(times, EARLY, NEAR);
         length.role != Role::Place && (early || is_between(times, APART, ALIKE)) && !is_borne_out(length, &all)
     });
+}
+
+/// How many times the second the longest is.
+fn lead(lengths: &[&Length<'_>]) -> f64 {
+    let [first, second] = lengths.iter().fold([0.0, 0.0], |[first, second]: [f64; 2], length| {
+        [first.max(length.extent), second.max(first.min(length.extent))]
+    });
+    first / second
 }
 
 /// Whether so many times the median is much, and in line if it is taken as millimetres.
