@@ -226,7 +226,10 @@ fn legend_bar(legend: &Legend, moves: bool) -> String {
 /// The run first, then modes; with as many frames as a page can hold.
 fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
     let rings = Tubes::new(&material.scene).count();
-    let numbers = 7 * (material.scene.bodies.len() + rings) + 10 * material.scene.lines.len() + 1;
+    let numbers = 7 * (material.scene.bodies.len() + rings)
+        + 10 * material.scene.lines.len()
+        + 14 * material.scene.bushings.len()
+        + 1;
     let frames = |most: usize| (most / numbers).max(2);
     let stride = material.samples.len().div_ceil(frames(MOST_KEYS)).max(1);
     if stride > 1 {

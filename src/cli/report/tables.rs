@@ -11,7 +11,7 @@ use std::fmt::Write;
 const MOST_ROWS: usize = 60;
 
 /// A table under a heading; nothing without rows. Cells are HTML.
-fn table(out: &mut String, title: &str, heads: &[&str], rows: Vec<Vec<String>>) {
+fn table(out: &mut String, title: &str, heads: &[&str], mut rows: Vec<Vec<String>>) {
     if rows.is_empty() {
         return;
     }
@@ -20,22 +20,43 @@ fn table(out: &mut String, title: &str, heads: &[&str], rows: Vec<Vec<String>>) 
         let numbers = rows.iter().all(|row| row[column].is_empty() || is_number(&row[column]));
         if numbers && column > 0 { " class=\"number\"" } else { "" }
     };
+    let classes: Vec<&str> = (0..heads.len()).map(class).collect();
+    (0..heads.len()).filter(|column| !classes[*column].is_empty()).for_each(|column| align(&mut rows, column));
     // Writing to a `String` cannot fail.
     let _ = write!(out, "<h2>{}</h2><div class=\"scroll\"><table><tr>", escape(title));
     for (column, head) in heads.iter().enumerate() {
-        let _ = write!(out, "<th{}>{}</th>", class(column), escape(head));
+        let _ = write!(out, "<th{}>{}</th>", classes[column], escape(head));
     }
     out.push_str("</tr>\n");
     for row in rows.iter().take(MOST_ROWS) {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {
-            let _ = write!(out, "<td{}>{cell}</td>", class(column));
+            let _ = write!(out, "<td{}>{cell}</td>", classes[column]);
         }
         out.push_str("</tr>\n");
     }
     out.push_str("</table></div>\n");
     if rows.len() > MOST_ROWS {
         let _ = writeln!(out, "<p>… and {} more rows; the saved JSON has all.</p>", rows.len() - MOST_ROWS);
+    }
+}
+
+/// Fills up the numbers of a column so that their decimal points stand below each other. Lists and powers of ten stay as they are.
+fn align(rows: &mut [Vec<String>], column: usize) {
+    const FIGURE: &str = "\u{2007}";
+    const POINT: &str = "\u{2008}";
+    // Where the number ends, and the decimals that it has.
+    let number = |cell: &str| -> Option<(usize, usize)> {
+        let end = cell.find(|c: char| !(c.is_ascii_digit() || matches!(c, '-' | '−' | '.'))).unwrap_or(cell.len());
+        let decimals = cell[..end].find('.').map_or(0, |point| end - point - 1);
+        (end > 0 && !cell[end..].starts_with(['e', ','])).then_some((end, decimals))
+    };
+    let most = rows.iter().filter_map(|row| number(&row[column])).map(|(_, decimals)| decimals).max().unwrap_or(0);
+    for cell in rows.iter_mut().map(|row| &mut row[column]) {
+        if let Some((end, decimals)) = number(cell).filter(|(_, decimals)| *decimals < most) {
+            let point = if decimals == 0 { POINT } else { "" };
+            cell.insert_str(end, &format!("{point}{}", FIGURE.repeat(most - decimals)));
+        }
     }
 }
 
