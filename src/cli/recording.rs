@@ -6,7 +6,7 @@ use crate::record::{self, Fanout, Opening, RecordingFile};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Where a picture goes beside the recording.
+/// Where a picture goes beside what is written.
 #[derive(Debug, Args)]
 pub(super) struct Viewers {
     /// Open the Rerun viewer and stream to it
@@ -15,7 +15,7 @@ pub(super) struct Viewers {
     /// Stream to a running viewer, e.g. 127.0.0.1:9876
     #[arg(long, value_name = "URL")]
     connect: Option<String>,
-    /// Write an .rrd file for the Rerun viewer beside the recording
+    /// Write an .rrd file for the Rerun viewer
     #[arg(long, value_name = "FILE")]
     rrd: Option<PathBuf>,
 }

@@ -2,10 +2,12 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
+use super::recording::Viewers;
 use super::report::material::Material;
 use super::report::{self, words};
-use super::text::number;
+use super::text::{number, size, without_noise};
 use super::{Common, Exit, output};
+use crate::record::scene::Channel;
 use anyhow::bail;
 use clap::Args;
 use serde_json::Value;
@@ -26,6 +28,8 @@ pub(super) struct Arguments {
     /// Write a report each time: a page to be loaded again in a browser
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    viewers: Viewers,
     /// End after this many times
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     times: Option<u64>,
@@ -58,6 +62,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         let exit = match Material::of_scenario(&common, !arguments.run, false) {
             Ok(Ok(material)) => {
                 tell(&material, before.as_ref())?;
+                material.show(&arguments.viewers.sinks(), arguments.quiet)?;
                 if let Some(file) = &arguments.report {
                     report::write(&material, file)?;
                 }
@@ -136,11 +141,14 @@ fn hertz(statics: &Value) -> Vec<f64> {
 /// Coordinates that changed, appeared or went.
 fn poses(now: &Material, before: &Material) -> Vec<String> {
     let coordinates = |material: &Material| -> Vec<(String, f64)> {
+        let length = material.scene.extent.map_or(0.0, |extent| extent.length);
         let hinges = material.statics["positions"].as_object().into_iter().flatten();
         let of_hinge = |(body, values): (&String, &Value)| {
             let channels = material.scene.positions.iter().filter(|channel| channel.body == *body);
             let values: Vec<f64> = values.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
-            channels.zip(values).map(|(channel, x)| (format!("{body}.{}", channel.name), x)).collect::<Vec<_>>()
+            let clean = |channel: &Channel, x: f64| without_noise(x, size(&channel.unit, length, 0.0));
+            let named = |(channel, x): (&Channel, f64)| (format!("{body}.{}", channel.name), clean(channel, x));
+            channels.zip(values).map(named).collect::<Vec<_>>()
         };
         hinges.flat_map(of_hinge).collect()
     };

@@ -2,12 +2,14 @@
 
 use super::super::inputs::Inputs;
 use super::super::output::{Interrupt, Progress};
+use super::super::recording::add_viewer;
 use super::super::samples;
 use super::super::{Common, Exit, json, output, poses, scene, statics};
 use crate::import::Taken;
 use crate::model::Model;
 use crate::record::gltf::Clip;
-use crate::record::{Event, Footage, Memory, Opening, OwnedSample, Scene, Tubes};
+use crate::record::view::Sink;
+use crate::record::{Energy, Event, Fanout, Footage, Memory, Opening, Outcome, OwnedSample, Recorder, Scene, Tubes};
 use crate::scenario::Scenario;
 use crate::simulate::verify::verify;
 use crate::simulate::{self, RunError, Start, State};
@@ -31,6 +33,8 @@ pub(in crate::cli) struct Material {
     pub(in crate::cli) outcome: Value,
     /// Of the run.
     pub(in crate::cli) samples: Vec<OwnedSample>,
+    /// Without a run the pose that was found, at rest, without what couplings and outputs say of it.
+    still: Option<OwnedSample>,
     pub(in crate::cli) events: Vec<Event>,
     /// Modes, and motions of recordings that hold no run.
     pub(in crate::cli) clips: Vec<Clip>,
@@ -78,6 +82,7 @@ impl Material {
             statics,
             outcome,
             samples: kept,
+            still: None,
             ignored: Vec::new(),
             notes,
             exit: Exit::Done,
@@ -113,6 +118,7 @@ impl Material {
             statics: told.map_or(Value::Null, |(value, _)| value),
             outcome: Value::Null,
             samples: Vec::new(),
+            still: None,
             events: Vec::new(),
             clips: found
                 .as_ref()
@@ -187,11 +193,47 @@ impl Material {
         let mut bodies = Vec::new();
         let rest = vec![0.0; model.velocity_count()];
         crate::dynamics::System::new(model).at(0.0, q, &rest).poses(&mut bodies);
+        self.still = Some(OwnedSample {
+            positions: q.to_vec(),
+            velocities: rest.clone(),
+            accelerations: rest,
+            bodies: bodies.clone(),
+            reactions: reactions.map_or_else(|| vec![Wrench::default(); bodies.len()], <[Wrench]>::to_vec),
+            energy: Energy::default(),
+            ..OwnedSample::default()
+        });
         let tubes = Tubes::new(&self.scene);
         tubes.extend(q, &mut bodies);
         let known = reactions.filter(|_| !tubes.is_empty());
         let loads = known.map(|reactions| tubes.loads(&bodies, reactions)).into_iter().collect();
         self.clips.insert(0, Clip { name: "pose".to_owned(), times: vec![0.0], poses: vec![bodies], loads });
+    }
+}
+
+impl Material {
+    /// Sends the run, or the pose without one, to viewers: each time as a recording of its own.
+    pub(in crate::cli) fn show(&self, sinks: &[Sink], quiet: bool) -> anyhow::Result<()> {
+        let scene = match self.still {
+            Some(_) => Scene { couplings: Vec::new(), outputs: Vec::new(), watched: false, ..self.scene.clone() },
+            None => self.scene.clone(),
+        };
+        let statics = self.statics.to_string();
+        let statics = self.statics.is_object().then_some(statics.as_str());
+        let opening = Opening { scene: &scene, scenario: &self.scenario, statics };
+        for sink in sinks {
+            let mut recorder = add_viewer(Fanout::new(), sink, &opening, quiet)?;
+            let mut events = self.events.iter().peekable();
+            for sample in self.samples.iter().chain(&self.still) {
+                while let Some(event) = events.next_if(|event| event.time <= sample.time) {
+                    recorder.event(event)?;
+                }
+                recorder.sample(&sample.borrow())?;
+            }
+            events.try_for_each(|event| recorder.event(event))?;
+            recorder.finish(&Outcome { summary: self.outcome.to_string() })?;
+            recorder.take_lost().iter().for_each(|lost| output::warning(&lost.to_string()));
+        }
+        Ok(())
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stillpoint::record::Recording;
 
-/// A scene of bodies with every shape on every hinge, springs, ropes and loads.
+/// A scene of bodies with every shape on every hinge, springs, ropes, loads and bushings.
 fn random_scene(seed: u64) -> String {
     let random = &mut Random::new(seed);
     let mut text = "[simulate]\nstart = \"given\"\nduration = 0.2\n\n[record]\nrate = 50.0\n".to_owned();
@@ -63,6 +63,16 @@ fn random_scene(seed: u64) -> String {
         text,
         "\n[[force]]\ntype = \"load\"\non = {{ body = \"b0\", at = {} }}\nforce = [1.0, 2.0, 0.0]\ntorque = [0.0, 0.0, 0.1]\naxes = \"{turns}\"\n",
         point(random)
+    );
+    let mount = format!(
+        "{{ body = \"ground\", at = {} }}, {{ body = \"b{}\", at = {} }}",
+        point(random),
+        random.below(count),
+        point(random)
+    );
+    let _ = write!(
+        text,
+        "\n[[force]]\nname = \"mount\"\ntype = \"bushing\"\nbetween = [{mount}]\nrpy = [0.1, 0.2, 0.3]\nstiffness = [1, 2, 3, 0, 0, 0]\n"
     );
     text
 }
@@ -359,26 +369,25 @@ fn a_browser_without_a_network_draws_the_report() {
     assert!(page.contains("<option value=\"1\">mode 1: 0.8294 Hz</option>"), "no modes to play");
 }
 
-#[test]
-fn watching_tells_what_a_change_does() {
+/// What `watch` prints of a scene that is saved once more.
+fn watched(before: &str, after: &str) -> String {
     let bench = Bench::new();
-    let scale = super::SCALE.replace("mass = 1.0", "mass = 2.0");
-    bench.write("scale.toml", super::SCALE);
+    bench.write("scene.toml", before);
     let mut watch = std::process::Command::new(env!("CARGO_BIN_EXE_stillpoint"))
         .current_dir(bench.path())
-        .args(["watch", "scale.toml", "--times", "2", "--report", "scale.html"])
+        .args(["watch", "scene.toml", "--times", "2", "--report", "scene.html"])
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("the program starts");
     let end = Instant::now() + Duration::from_secs(60);
-    while !bench.path().join("scale.html").exists() {
+    while !bench.path().join("scene.html").exists() {
         assert!(Instant::now() < end, "no first report");
         std::thread::sleep(Duration::from_millis(20));
     }
     // Files that are saved within one tick of the clock may look alike: wait until the first look is over.
     std::thread::sleep(Duration::from_millis(300));
-    bench.write("scale.toml", scale);
+    bench.write("scene.toml", after);
     let output = loop {
         assert!(Instant::now() < end, "the change was not seen");
         if watch.try_wait().expect("a state").is_some() {
@@ -386,11 +395,25 @@ fn watching_tells_what_a_change_does() {
         }
         std::thread::sleep(Duration::from_millis(20));
     };
-    let out = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn watching_tells_what_a_change_does() {
+    let out = watched(super::SCALE, &super::SCALE.replace("mass = 1.0", "mass = 2.0"));
     // m g / k and √(k / m) / 2π, g = 9.80665 m/s².
     assert!(out.contains("pan.distance         -0.09807 → -0.1961 (-0.09807)"), "{out}");
     assert!(out.contains("mode 1               1.592 → 1.125 Hz (-29.29 %)"), "{out}");
+}
+
+/// It hangs straight down: an angle that is zero but for rounding, by another one each time.
+#[test]
+fn watching_tells_no_round_off() {
+    let scene = "[[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0, 0, -0.5]\ninertia = [0.1, 0.1, 0.01]\n\
+                 hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]], position = [0.2, 0.1] }\n";
+    let out = watched(scene, &scene.replace("-0.5", "-0.9"));
+    assert!(out.contains("mode 1") && !out.contains("angle"), "{out}");
 }
 
 /// Balls that have flown away leave what stays in the picture, which says so; of what flies as a whole all is framed.
