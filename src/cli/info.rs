@@ -109,6 +109,7 @@ fn as_json(recording: &Recording, survey: &Survey, statics: Value, outcome: Valu
         "first_time": span(survey).map(|(first, _)| first),
         "last_time": span(survey).map(|(_, last)| last),
         "bodies": recording.scene.bodies.iter().map(|body| &body.name).collect::<Vec<_>>(),
+        "bushings": recording.scene.bushings.iter().map(|bushing| &bushing.name).collect::<Vec<_>>(),
         "lines": recording.scene.lines.iter().map(|line| &line.name).collect::<Vec<_>>(),
         "channels": survey.channels.iter().map(channel).collect::<Vec<_>>(),
         "columns": columns,

@@ -131,7 +131,7 @@ enum Command {
     /// Show a recording in the Rerun viewer, or save it as glTF
     #[command(after_help = examples::VIEW)]
     View(view::Arguments),
-    /// Draw one instant of a recording (SVG, PNG)
+    /// Draw one instant of a recording (SVG, PNG, PDF)
     #[command(after_help = examples::PICTURE)]
     Picture(picture::Arguments),
     /// Make a film of a recording (GIF, MP4)
@@ -156,7 +156,7 @@ enum Command {
     /// Write an FMU for co-simulation (FMI 3.0): inputs, outputs and parameters by name, initialized at the equilibrium
     #[command(after_help = examples::FMU)]
     Fmu(fmu::Arguments),
-    /// Plot numbers of recordings over time, or over each other (SVG, PNG)
+    /// Plot numbers of recordings over time, or over each other (SVG, PNG, PDF)
     #[command(after_help = examples::PLOT)]
     Plot(plot::Arguments),
     /// Say how far two recordings are apart; exit code 1 when further than the tolerance

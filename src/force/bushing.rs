@@ -179,7 +179,7 @@ impl Act for BushingLaw {
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture::Line { through: &self.ends, spring: None, pulls_only: false }
+        Picture::Block { ends: &self.ends, frames: &self.frames, stiffness: &self.stiffness }
     }
 }
 

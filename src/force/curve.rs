@@ -12,7 +12,7 @@
 
 use super::segment::Segment;
 use super::table::{Interpolation, Table};
-use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, LineKind, Magnitude, Picture, Report, Switch};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
 use nalgebra::Vector3;
@@ -209,7 +209,8 @@ impl Act for CurveLaw {
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture::Line { through: &self.ends, spring: None, pulls_only: false }
+        let spring = LineKind::Curved { length: self.length };
+        Picture::Line { through: &self.ends, kind: if self.extension.is_some() { spring } else { LineKind::Damper } }
     }
 }
 

@@ -14,7 +14,7 @@ pub mod table;
 pub mod timeline;
 
 pub use end::{Attachment, Carrier, End, GROUND, Point};
-pub use question::{Act, Describe, Magnitude, Picture, Report, Switch};
+pub use question::{Act, Describe, LineKind, Magnitude, Picture, Report, Switch};
 
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};

@@ -4,7 +4,7 @@ use super::end::{Attachment, Carrier, End};
 use super::load::OverTime;
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// A kind of force as a user describes it.
 pub trait Describe {
@@ -220,6 +220,32 @@ pub struct Switch {
     pub speed: f64,
 }
 
+/// What pulls along a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LineKind {
+    /// A spring.
+    Spring {
+        /// (N/m)
+        stiffness: f64,
+        /// Free length (m).
+        length: f64,
+    },
+    /// A spring of which no one stiffness is known.
+    Curved {
+        /// Free length (m).
+        length: f64,
+    },
+    /// A damper without a spring.
+    Damper,
+    /// A spring that pulls only and is slack otherwise.
+    Rope {
+        /// (N/m)
+        stiffness: f64,
+        /// Free length (m).
+        length: f64,
+    },
+}
+
 /// What a picture shows of a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Picture<'a> {
@@ -227,10 +253,17 @@ pub enum Picture<'a> {
     Line {
         /// The points.
         through: &'a [End],
-        /// Of a spring its stiffness (N/m) and free length (m).
-        spring: Option<[f64; 2]>,
-        /// Whether it pulls only and is slack otherwise.
-        pulls_only: bool,
+        /// What the line is.
+        kind: LineKind,
+    },
+    /// A block between two frames.
+    Block {
+        /// The points in which the frames have their origins.
+        ends: &'a [End; 2],
+        /// The axes of the frames in their links: `link_from_frame`.
+        frames: &'a [Matrix3<f64>; 2],
+        /// Along these axes (N/m).
+        stiffness: &'a Vector3<f64>,
     },
     /// Arrows at a point.
     Arrows {

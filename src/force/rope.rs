@@ -16,7 +16,7 @@
 use super::elastic;
 use super::end::Anchor;
 use super::segment::Segment;
-use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, LineKind, Magnitude, Picture, Report, Switch};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
 use nalgebra::Vector3;
@@ -255,7 +255,8 @@ impl Act for RopeLaw {
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture::Line { through: &self.ends, spring: Some([self.stiffness, self.length]), pulls_only: true }
+        let kind = LineKind::Rope { stiffness: self.stiffness, length: self.length };
+        Picture::Line { through: &self.ends, kind }
     }
 }
 

@@ -11,7 +11,7 @@
 
 use super::elastic;
 use super::segment::{Segment, SegmentVariation};
-use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, LineKind, Magnitude, Picture, Report};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
 use nalgebra::Vector3;
@@ -166,7 +166,8 @@ impl Act for SpringLaw {
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture::Line { through: &self.ends, spring: Some([self.stiffness, self.length]), pulls_only: false }
+        let spring = LineKind::Spring { stiffness: self.stiffness, length: self.length };
+        Picture::Line { through: &self.ends, kind: if self.stiffness > 0.0 { spring } else { LineKind::Damper } }
     }
 }
 

@@ -1,13 +1,13 @@
 //! A drawing as binary glTF 2.0, with animations.
 //!
-//! Beams are skins: a joint per cross section. Colours of vertices cannot be animated in glTF: a beam has in every section those of the
+//! Beams are skins: a joint per cross section; so are bushings: a joint per frame. Colours of vertices cannot be animated in glTF: a beam has in every section those of the
 //! most that it bears in all frames.
 //!
 //! One node per body with its parts below it, one per line; the scene's root turns z up into glTF's y up. What moves is keyed at every frame,
 //! linear between them, and what stays is not keyed. Numbers are single precision: a file for looking, as all of glTF is.
 
-mod beam;
 mod bytes;
+mod skin;
 
 use super::drawing::{Drawing, Part, Placement, Triangles};
 use crate::spatial::Pose;
@@ -51,6 +51,10 @@ pub fn glb(drawing: &Drawing, title: &str, still: &[Pose], clips: &[Clip]) -> Gl
     for part in &drawing.parts {
         if let Some((sweep, tints)) = part.swept() {
             writer.beam(drawing, part, sweep, tints, &most);
+            continue;
+        }
+        if let Some(mount) = part.mount() {
+            writer.mount(part, mount);
             continue;
         }
         let mesh = writer.mesh(part);

@@ -25,8 +25,11 @@ pub struct Scene {
     pub title: String,
     /// Every named body, in the order of the samples' poses.
     pub bodies: Vec<BodyPicture>,
-    /// Springs, bushings, ropes and rigid rods: drawn as lines through their points.
+    /// Springs, dampers, ropes and rigid rods: drawn as lines through their points.
     pub lines: Vec<LinePicture>,
+    /// Bushings: drawn as blocks between their frames. Old versions have them among the lines.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub bushings: Vec<BushingPicture>,
     /// Beams and cables.
     #[cfg_attr(feature = "record", serde(default))]
     pub beams: Vec<BeamPicture>,
@@ -119,8 +122,8 @@ pub struct ShapePicture {
     pub color: Option<[f64; 4]>,
 }
 
-/// A spring, bushing, rope or rigid rod as it is drawn.
-#[derive(Debug, Clone, PartialEq)]
+/// A spring, damper, rope or rigid rod as it is drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinePicture {
     /// Name.
@@ -139,6 +142,23 @@ pub struct LinePicture {
     /// Of a spring of which no stiffness is known its free length (m).
     #[cfg_attr(feature = "record", serde(default))]
     pub coil: Option<f64>,
+    /// Whether it is a damper without a spring.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub is_damper: bool,
+}
+
+/// A bushing as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct BushingPicture {
+    /// Name.
+    pub name: String,
+    /// The points in which its frames have their origins: body index (`None`: ground) and point in its axes. Relaxed they coincide.
+    pub ends: [(Option<usize>, [f64; 3]); 2],
+    /// Orientations `body_from_frame` of the frames, w, x, y, z.
+    pub frames: [[f64; 4]; 2],
+    /// Along the axes of the frames (N/m).
+    pub stiffness: [f64; 3],
 }
 
 /// A curve that a body is guided along.
@@ -221,6 +241,13 @@ impl LoadPicture {
 }
 
 impl Scene {
+    /// The points that lines and bushings begin, turn and end at: body index (`None`: ground) and point in its axes.
+    #[cfg(feature = "record")]
+    pub(super) fn ends(&self) -> impl Iterator<Item = &(Option<usize>, [f64; 3])> {
+        let of_lines = self.lines.iter().flat_map(|line| &line.ends);
+        of_lines.chain(self.bushings.iter().flat_map(|bushing| &bushing.ends))
+    }
+
     /// Loads as they are at t = 0 at all times: of poses in place of a motion.
     #[cfg(feature = "record")]
     pub(super) fn hold_loads(&mut self) {
@@ -268,6 +295,7 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
         ("couplings", scene.couplings.len(), budget::BODIES),
         ("outputs", scene.outputs.len(), budget::BODIES),
         ("lines", scene.lines.len(), budget::BODIES),
+        ("bushings", scene.bushings.len(), budget::BODIES),
         ("loads", scene.loads.len(), budget::BODIES),
         ("curves", scene.curves.len(), budget::BODIES),
     ];
@@ -275,7 +303,7 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
         return Err(format!("{found} {what}, where there can be {most} at most"));
     }
     let parents = scene.bodies.iter().filter_map(|body| body.parent);
-    let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
+    let ends = scene.ends().filter_map(|(body, _)| *body);
     let loads = scene.loads.iter().map(|load| load.body);
     let curves = scene.curves.iter().filter_map(|curve| curve.body);
     if let Some(index) = parents.chain(ends).chain(loads).chain(curves).find(|index| *index >= bodies) {

@@ -42,9 +42,7 @@ pub(super) fn held_at(scene: &Scene) -> Vec<Vec<Held>> {
             add(body.parent, body.hinge_at, parents);
         }
     }
-    for line in &scene.lines {
-        line.ends.iter().for_each(|(body, at)| add(*body, *at, None));
-    }
+    scene.ends().for_each(|(body, at)| add(*body, *at, None));
     places
 }
 

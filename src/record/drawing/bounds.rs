@@ -1,6 +1,6 @@
 //! How much room bodies and lines take.
 
-use crate::record::scene::{CurvePicture, LinePicture};
+use crate::record::scene::CurvePicture;
 use crate::record::solids::{Form, Solid};
 use crate::spatial::Pose;
 use nalgebra::{Point3, Vector3};
@@ -49,9 +49,13 @@ impl Bounds {
         }
     }
 
-    /// Grows to hold the ends of springs at one instant.
-    pub(in crate::record) fn include_lines(&mut self, lines: &[LinePicture], poses: &[Pose]) {
-        for (body, point) in lines.iter().flat_map(|line| &line.ends) {
+    /// Grows to hold points of bodies (`None`: the ground) at one instant.
+    pub(in crate::record) fn include_ends<'e>(
+        &mut self,
+        ends: impl IntoIterator<Item = &'e (Option<usize>, [f64; 3])>,
+        poses: &[Pose],
+    ) {
+        for (body, point) in ends {
             let pose = body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
             self.include(&(pose * Point3::from(*point)).coords, 0.0);
         }
@@ -135,7 +139,6 @@ impl Outline {
     }
 
     /// Farthest point from the root marker (m).
-    #[cfg(feature = "view")]
     pub(in crate::record) fn reach(&self) -> f64 {
         let discs = self.discs.iter().map(|(center, _, radius)| (center, radius));
         let points = self.points.iter().map(|(point, radius)| (point, radius));

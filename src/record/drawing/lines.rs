@@ -1,4 +1,4 @@
-//! How thick the coils of springs are.
+//! How thick the coils of springs and the cylinders of dampers are.
 
 use crate::record::Scene;
 use crate::record::scene::LinePicture;
@@ -6,9 +6,12 @@ use crate::record::scene::LinePicture;
 /// More springs than this are drawn as plain lines.
 const MOST_COILS: usize = 32;
 
-/// Radius of the coils of each spring (m); `None` for what is drawn as a line.
+/// Radius of the coils of each spring and of the cylinder of each damper (m); `None` for what is drawn as a line.
 pub(in crate::record) fn coil_radii(scene: &Scene, size: f64) -> Vec<Option<f64>> {
-    let coiled = |line: &LinePicture| free_length(line).filter(|_| !line.pulls_only);
+    let coiled = |line: &LinePicture| {
+        let damper = line.is_damper.then_some(0.0);
+        free_length(line).filter(|_| !line.pulls_only).or(damper)
+    };
     let springs = scene.lines.iter().filter(|line| coiled(line).is_some()).count();
     let radius = |line: &LinePicture| {
         let length = coiled(line)?;

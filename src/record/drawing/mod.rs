@@ -6,7 +6,9 @@
 //! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia; if other bodies have shapes, a
 //!   body without shape, points and inertia is not drawn.
 //! - Beams are their sections along the centre line, coloured by what they bear ([`Drawing::shaded`]).
-//! - Springs are coils, ropes and rods are thin cylinders between their points, curves that bodies are guided along are wires.
+//! - Springs are coils, dampers cylinders with a piston rod, ropes and rods thin cylinders between their points, curves that bodies are
+//!   guided along are wires.
+//! - Bushings are blocks of rubber between two plates, which move with the frames: they are sheared, squeezed and twisted as they are.
 //! - What is hinged to the ground gets a pin along the axis of its hinge, or a small cube, and so do lines that end on the ground.
 //! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for; those of bodies that frames do not hold make no
 //!   frame larger.
@@ -14,6 +16,7 @@
 pub(super) mod bounds;
 pub(super) mod ground;
 pub(super) mod lines;
+pub(super) mod mount;
 mod parts;
 mod place;
 pub(super) mod shades;
@@ -26,12 +29,13 @@ pub use shades::{Legend, shade};
 pub use triangles::Triangles;
 
 use super::contact::ContactPush;
-use super::scene::{LinePicture, LoadPicture, Scene};
+use super::scene::{LoadPicture, Scene};
 use super::solids::{Form, Solid, drop_of_beams, solids};
 use super::tubes::Tubes;
 use crate::spatial::{Pose, Wrench};
 use bounds::{Bounds, Outline};
 use nalgebra::Point3;
+use place::Anchor as End;
 
 /// What is drawn beside bodies and lines, and what is framed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -101,6 +105,7 @@ impl Drawing {
         // Meshes are known now.
         drawing.measure(start);
         drawing.add_lines();
+        drawing.add_mounts();
         drawing.add_curves();
         drawing.add_beams();
         drawing.add_ground();
@@ -146,12 +151,10 @@ impl Drawing {
             }
             let framed = self.outlines.iter().zip(poses).zip(&self.framed).filter(|(_, framed)| **framed);
             framed.for_each(|((outline, pose), _)| bounds.include_body(outline, pose));
-            let within = |line: &&LinePicture| line.ends.iter().all(|(body, _)| self.frames(*body));
-            self.scene
-                .lines
-                .iter()
-                .filter(within)
-                .for_each(|line| bounds.include_lines(std::slice::from_ref(line), poses));
+            let within = |ends: &&[End]| ends.iter().all(|(body, _)| self.frames(*body));
+            let lines = self.scene.lines.iter().map(|line| line.ends.as_slice());
+            let bushings = self.scene.bushings.iter().map(|bushing| bushing.ends.as_slice());
+            lines.chain(bushings).filter(within).for_each(|ends| bounds.include_ends(ends, poses));
             let curves = self.scene.curves.iter().filter(|curve| self.frames(curve.body));
             curves.for_each(|curve| bounds.include_curve(curve, poses));
         }

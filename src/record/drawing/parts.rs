@@ -1,6 +1,7 @@
 //! The parts of a drawing, from its scene.
 
 use super::lines::{coil_radii, free_length};
+use super::mount::mounts;
 use super::place::{Anchor, Part, Place, toward};
 use super::sweep::Sweep;
 use super::{Drawing, LoadTime, Triangles, Tubes};
@@ -80,14 +81,14 @@ impl Drawing {
         }
     }
 
-    /// Springs as coils, ropes and rods as cylinders from point to point.
+    /// Springs as coils, dampers as cylinders with a rod, ropes and rods as thin cylinders from point to point.
     pub(super) fn add_lines(&mut self) {
         let coils = coil_radii(&self.scene, self.size);
-        let rod = Arc::new(Triangles::rod());
+        let (rod, damper) = (Arc::new(Triangles::rod()), Arc::new(Triangles::damper()));
         for (line, coil) in self.scene.lines.iter().zip(coils) {
             let (color, thin) = match line {
                 LinePicture { pulls_only: true, .. } => (ROPE, ROPE_RADIUS),
-                line if free_length(line).is_some() => (SPRING, ROPE_RADIUS),
+                line if line.is_damper || free_length(line).is_some() => (SPRING, ROPE_RADIUS),
                 _ => (ROD, ROD_RADIUS),
             };
             let (triangles, radius) = match (coil, free_length(line)) {
@@ -95,6 +96,7 @@ impl Drawing {
                     let slenderness = (length / radius).clamp(4.0, 40.0);
                     (Arc::new(Triangles::coil(slenderness)), radius)
                 }
+                (Some(radius), None) => (damper.clone(), radius),
                 _ => (rod.clone(), thin * self.size),
             };
             for pair in line.ends.windows(2) {
@@ -102,6 +104,15 @@ impl Drawing {
                 let sketch = Sketch { name: &line.name, triangles: triangles.clone(), color, place };
                 self.parts.push(sketch.part(false, false));
             }
+        }
+    }
+
+    /// Bushings as blocks of rubber between plates.
+    pub(super) fn add_mounts(&mut self) {
+        for (name, mount) in mounts(&self.scene, &self.outlines, self.size) {
+            let place = Place::Mounted(mount);
+            let sketch = Sketch { name: &name, triangles: Arc::new(Triangles::empty()), color: ROD, place };
+            self.parts.push(sketch.part(false, false));
         }
     }
 

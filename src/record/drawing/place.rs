@@ -1,6 +1,7 @@
 //! Where a part is.
 
 use super::Triangles;
+use super::mount::Mount;
 use super::sweep::Sweep;
 use crate::spatial::Pose;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
@@ -11,7 +12,7 @@ use std::sync::Arc;
 pub struct Part {
     /// Name of the body, line, load or hinge.
     pub name: String,
-    /// In the part's axes. Parts of one form share them. Empty of a beam, whose surface changes with its coordinates.
+    /// In the part's axes. Parts of one form share them. Empty of beams and bushings, whose surfaces change as they bend.
     pub triangles: Arc<Triangles>,
     /// Red, green, blue, opacity, 0…1.
     pub color: [f64; 4],
@@ -36,6 +37,8 @@ pub(super) enum Place {
     Point { at: Anchor, turn: UnitQuaternion<f64>, scale: f64 },
     /// Cross sections of a beam, with the colour of each if what they bear is shown.
     Swept { sweep: Arc<Sweep>, tints: Vec<[f64; 3]> },
+    /// The two frames of a bushing.
+    Mounted(Arc<Mount>),
 }
 
 /// Where a part's axes are at one instant: `world_from_part = pose · diag(scale)`.
@@ -51,7 +54,7 @@ impl Part {
     /// Where it is when the bodies are in these poses.
     pub fn place(&self, poses: &[Pose]) -> Placement {
         match &self.place {
-            Place::Body { body, pose, scale } => Placement { pose: of(*body, poses) * pose, scale: *scale },
+            Place::Body { body, pose, scale } => Placement { pose: carried(*body, poses) * pose, scale: *scale },
             Place::Point { at, turn, scale } => {
                 let pose = Isometry3::from_parts(Translation3::from(point(at, poses)), *turn);
                 Placement { pose, scale: [*scale; 3] }
@@ -63,6 +66,7 @@ impl Part {
                 let scale = if along.norm() > 1e-9 * radius { [*radius, *radius, along.norm()] } else { [0.0; 3] };
                 Placement { pose: Isometry3::from_parts(a.into(), toward(&along)), scale }
             }
+            Place::Mounted(mount) => Placement { pose: mount.poses(poses)[0].translation.into(), scale: [1.0; 3] },
             Place::Swept { sweep, .. } => {
                 let first = sweep.poses(poses).map(|poses| poses[0].translation);
                 let scale = if first.is_some() { 1.0 } else { 0.0 };
@@ -78,6 +82,7 @@ impl Part {
             Place::Point { at, .. } => [at.0, None],
             Place::Span { ends, .. } => ends.map(|end| end.0),
             Place::Swept { sweep, .. } => sweep.ends.map(Some),
+            Place::Mounted(mount) => mount.frames.map(|(body, _)| body),
         };
         ends.into_iter().flatten()
     }
@@ -86,6 +91,14 @@ impl Part {
     pub(in crate::record) fn swept(&self) -> Option<(&Sweep, &[[f64; 3]])> {
         match &self.place {
             Place::Swept { sweep, tints } => Some((sweep, tints)),
+            _ => None,
+        }
+    }
+
+    /// The block of a bushing, if it is one.
+    pub(in crate::record) fn mount(&self) -> Option<&Mount> {
+        match &self.place {
+            Place::Mounted(mount) => Some(mount),
             _ => None,
         }
     }
@@ -109,10 +122,11 @@ pub(super) fn toward(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     }
 }
 
-fn of(body: Option<usize>, poses: &[Pose]) -> Pose {
+/// The pose of a body (`None`: the ground).
+pub(super) fn carried(body: Option<usize>, poses: &[Pose]) -> Pose {
     body.and_then(|body| poses.get(body)).copied().unwrap_or_default()
 }
 
 pub(super) fn point((body, at): &Anchor, poses: &[Pose]) -> Vector3<f64> {
-    (of(*body, poses) * Point3::from(*at)).coords
+    (carried(*body, poses) * Point3::from(*at)).coords
 }

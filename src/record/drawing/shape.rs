@@ -1,4 +1,4 @@
-//! What of a part depends on the instant: the surface of a beam is one at every instant, all others are what they were.
+//! What of a part depends on the instant: surfaces of beams and bushings bend, all others are what they were.
 
 use super::Triangles;
 use super::place::{Part, Place};
@@ -17,12 +17,18 @@ pub(in crate::record) struct Shape {
 impl Part {
     /// What it is when bodies and cross sections are in these poses.
     pub(in crate::record) fn shape(&self, poses: &[Pose]) -> Shape {
-        let Place::Swept { sweep, tints } = &self.place else {
-            return Shape { triangles: self.triangles.clone(), tints: Vec::new() };
-        };
-        let triangles = sweep.triangles(poses, &self.place(poses).pose.translation.vector);
-        let tint = |corner: usize| tints.get(sweep.ring_of(corner)).copied();
-        let tints = (0..triangles.positions.len()).map_while(tint).collect::<Vec<_>>();
-        Shape { triangles: Arc::new(triangles), tints }
+        let origin = self.place(poses).pose.translation.vector;
+        match &self.place {
+            Place::Swept { sweep, tints } => {
+                let triangles = sweep.triangles(poses, &origin);
+                let tint = |corner: usize| tints.get(sweep.ring_of(corner)).copied();
+                let tints = (0..triangles.positions.len()).map_while(tint).collect::<Vec<_>>();
+                Shape { triangles: Arc::new(triangles), tints }
+            }
+            Place::Mounted(mount) => {
+                Shape { triangles: Arc::new(mount.triangles(poses, &origin)), tints: mount.tints.clone() }
+            }
+            _ => Shape { triangles: self.triangles.clone(), tints: Vec::new() },
+        }
     }
 }

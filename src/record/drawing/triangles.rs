@@ -50,7 +50,7 @@ impl Triangles {
         let mut triangles = Self::empty();
         let detail = |radius: f64| if radius >= fine { FINE } else { COARSE };
         match form {
-            Form::Box(edges) => triangles.cuboid(edges),
+            Form::Box(edges) => triangles.cuboid(edges, 0.0),
             Form::Ball(radius) => triangles.ball(*radius, 0.0, detail(*radius)),
             Form::Cylinder { radius, length } => {
                 let half = 0.5 * length;
@@ -63,7 +63,8 @@ impl Triangles {
         Ok(triangles)
     }
 
-    fn empty() -> Self {
+    /// None yet, of a surface without holes.
+    pub(super) fn empty() -> Self {
         Self { closed: true, ..Self::default() }
     }
 
@@ -71,6 +72,15 @@ impl Triangles {
     pub(super) fn rod() -> Self {
         let mut triangles = Self::empty();
         triangles.revolve(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], COARSE.sides);
+        triangles
+    }
+
+    /// A damper of length and radius one, from the origin along z: a cylinder, and the rod of its piston.
+    pub(super) fn damper() -> Self {
+        let mut triangles = Self::empty();
+        let outline =
+            [(0.0, 0.0), (0.3, 0.0), (0.3, 0.15), (1.0, 0.15), (1.0, 0.6), (0.3, 0.6), (0.3, 1.0), (0.0, 1.0)];
+        triangles.revolve(&outline, COARSE.sides);
         triangles
     }
 
@@ -114,18 +124,19 @@ impl Triangles {
     }
 
     /// Adds a corner and returns its number.
-    fn corner(&mut self, at: Vector3<f64>, normal: Vector3<f64>) -> u32 {
+    pub(super) fn corner(&mut self, at: Vector3<f64>, normal: Vector3<f64>) -> u32 {
         self.positions.push(at.cast::<f32>().into());
         self.normals.push(normal.try_normalize(0.0).unwrap_or_else(Vector3::z).cast::<f32>().into());
         (self.positions.len() - 1) as u32
     }
 
     /// Two triangles between corners of one row and of the next.
-    fn patch(&mut self, [a, b]: [u32; 2], [c, d]: [u32; 2]) {
+    pub(super) fn patch(&mut self, [a, b]: [u32; 2], [c, d]: [u32; 2]) {
         self.corners.extend([[a, b, d], [a, d, c]]);
     }
 
-    fn cuboid(&mut self, edges: &[f64; 3]) {
+    /// Adds a box whose middle is at a height above the origin.
+    pub(super) fn cuboid(&mut self, edges: &[f64; 3], height: f64) {
         let half = 0.5 * Vector3::from(*edges);
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
@@ -136,7 +147,7 @@ impl Triangles {
                 let [a, b, c, d] = signs.map(|[first, second]| {
                     let mut at = normal;
                     (at[u], at[v]) = (first * side, second);
-                    self.corner(at.component_mul(&half), normal)
+                    self.corner(at.component_mul(&half) + height * Vector3::z(), normal)
                 });
                 self.corners.extend([[a, b, c], [a, c, d]]);
             }

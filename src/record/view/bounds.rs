@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3};
 pub(super) fn expected(scene: &Scene, outlines: &[Outline], poses: &[Pose]) -> Bounds {
     let mut bounds = Bounds::default();
     bounds.include_bodies(outlines, poses);
-    bounds.include_lines(&scene.lines, poses);
+    bounds.include_ends(scene.ends(), poses);
     scene.curves.iter().for_each(|curve| bounds.include_curve(curve, poses));
     let order = outward(scene);
     let reach = tree_reaches(scene, outlines, &order);

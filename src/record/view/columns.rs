@@ -8,6 +8,7 @@ use super::forces::{
     changing_loads, contact_arrows, contacts_path, load_arrows, load_paths, load_points, points, reaction_arrows,
     reactions_path, spring_color, spring_path, strip, tension,
 };
+use super::mounts::Strained;
 use super::picture::Picture;
 use super::sdk::{Arrows3D, Color, LineStrips3D, Points3D, Scalars, TimeColumn, Transform3D};
 use super::sent::Sent;
@@ -27,6 +28,7 @@ pub(super) struct Columns {
     bodies: Vec<(Vec<[f32; 3]>, Vec<super::sdk::Quaternion>)>,
     crowd: Moves,
     beams: Vec<Bent>,
+    mounts: Vec<Strained>,
     springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
     /// Arrows of the loads that change over time.
@@ -64,6 +66,7 @@ impl Columns {
             curves: vec![Vec::new(); curves(&picture.plots).count()],
             bodies: vec![Default::default(); picture.scene.bodies.len()],
             beams: vec![Bent::default(); picture.beams.count()],
+            mounts: vec![Strained::default(); picture.mounts.count()],
             springs: vec![Default::default(); picture.scene.lines.len()],
             loads: vec![Vec::new(); load_paths(&picture.scene).count()],
             changing: vec![Vec::new(); changing_loads(&picture.scene).count()],
@@ -99,8 +102,9 @@ impl Columns {
             crowd.push(poses, &mut self.crowd);
         }
         picture.beams.push(sample, &mut self.beams);
+        picture.mounts.push(poses, &mut self.mounts);
         for (((strips, colors), line), radius) in self.springs.iter_mut().zip(&scene.lines).zip(&picture.coils) {
-            strips.push(strip(&points(line, poses), *radius));
+            strips.push(strip(&points(line, poses), *radius, line.is_damper));
             if line.spring.is_some() {
                 colors.push(spring_color(tension(line, poses), scales.tension));
             }
@@ -146,6 +150,7 @@ impl Columns {
             }
         }
         picture.beams.send_columns(stream, &times, self.beams, drawn)?;
+        picture.mounts.send_columns(stream, &times, self.mounts, drawn)?;
         for ((strips, colors), line) in self.springs.into_iter().zip(&scene.lines) {
             let strips = LineStrips3D::update_fields().with_strips(strips);
             let strips = if colors.is_empty() { strips } else { strips.with_colors(colors) };

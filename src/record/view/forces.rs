@@ -71,14 +71,21 @@ pub(super) fn spring_color(tension: Option<f64>, full: f64) -> Color {
     color([mix(0), mix(1), mix(2), 1.0])
 }
 
-/// A line through points; between two of them with a radius as a coil.
-pub(super) fn strip(points: &[Vector3<f64>], radius: Option<f64>) -> Vec<[f32; 3]> {
+/// A line through points; between two of them with a radius as a coil, or as a damper.
+pub(super) fn strip(points: &[Vector3<f64>], radius: Option<f64>, is_damper: bool) -> Vec<[f32; 3]> {
     let (&[a, b], Some(radius)) = (points, radius) else { return points.iter().map(point).collect() };
     let along = b - a;
     let Some(axis) = along.try_normalize(1e-12) else { return vec![point(&a), point(&b)] };
     let side = if axis.x.abs() < 0.8 { Vector3::x() } else { Vector3::y() };
     let first = axis.cross(&side).normalize();
     let second = axis.cross(&first);
+    if is_damper {
+        // A cup, and a piston within it, without lifting the pen.
+        let trace = [(0.0, 0.0), (0.3, 0.0), (0.3, 1.0), (0.75, 1.0), (0.3, 1.0), (0.3, -1.0), (0.75, -1.0)];
+        let piston = [(0.3, -1.0), (0.3, 0.0), (0.55, 0.0), (0.55, 0.8), (0.55, -0.8), (0.55, 0.0), (1.0, 0.0)];
+        let place = |(part, aside): (f64, f64)| a + part * along + aside * radius * first;
+        return trace.into_iter().chain(piston).map(|at| point(&place(at))).collect();
+    }
     let count = TURNS * POINTS_PER_TURN;
     let coil = (0..=count).map(|k| {
         let part = k as f64 / count as f64;
@@ -211,9 +218,7 @@ mod tests {
             name: String::new(),
             ends: vec![(None, [0.0; 3]), (Some(0), [0.0, 0.0, 1.0])],
             spring: Some([stiffness, length]),
-            pulls_only: false,
-            goes_on: false,
-            coil: None,
+            ..LinePicture::default()
         }
     }
 
@@ -239,11 +244,11 @@ mod tests {
     #[test]
     fn a_coil_meets_both_ends_and_stays_within_its_radius() {
         let (a, b) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, 2.0, 0.0));
-        let coil = strip(&[a, b], Some(0.1));
+        let coil = strip(&[a, b], Some(0.1), false);
         assert_eq!((coil.first(), coil.last()), (Some(&[1.0, 0.0, 0.0]), Some(&[1.0, 2.0, 0.0])));
         let off = |at: &[f32; 3]| ((at[0] - 1.0).powi(2) + at[2].powi(2)).sqrt();
         let widest = coil.iter().map(off).fold(0.0, f32::max);
         assert!((widest - 0.1).abs() < 1e-6, "{widest}");
-        assert_eq!(strip(&[a, a], Some(0.1)).len(), 2, "a spring without length is no coil");
+        assert_eq!(strip(&[a, a], Some(0.1), false).len(), 2, "a spring without length is no coil");
     }
 }

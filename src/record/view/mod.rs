@@ -1,7 +1,7 @@
 //! The picture in the Rerun viewer: of a run while it goes on, and of a recording.
 //!
 //! Both ways draw the same: bodies as solids under `/world`, springs under `/springs` (blue where they push, red where
-//! they pull), loads as arrows under `/loads`, the centre of mass and its way; energies, hinge coordinates and
+//! they pull) and bushings beside them, loads as arrows under `/loads`, the centre of mass and its way; energies, hinge coordinates and
 //! rates, the pull of springs and what drives, motors, gears and loops push as curves; what statics found as text, and
 //! what happened as a log; all on the timeline `sim_time`. Of a recording it
 //! is known before what moves and pulls how much; a running motion is drawn by what its first sample shows. The viewer
@@ -41,6 +41,8 @@ mod layout;
 mod link;
 #[cfg(feature = "view")]
 mod marks;
+#[cfg(feature = "view")]
+mod mounts;
 #[cfg(feature = "view")]
 mod picture;
 #[cfg(feature = "view")]

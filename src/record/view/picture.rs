@@ -5,6 +5,7 @@ use super::crowd::Crowd;
 use super::curves::Plot;
 use super::entity::{CAPTION, STATICS, center_path, color, path, point, quaternion};
 use super::forces::{self, Scales};
+use super::mounts::Mounts;
 use super::sdk::{
     Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, InstancePoses3D,
     LineStrips3D, MediaType, Points3D, Radius, SeriesLines, TextDocument, ViewCoordinates,
@@ -29,8 +30,9 @@ pub(super) struct Picture {
     pub(super) outlines: Vec<Outline>,
     pub(super) crowd: Option<Crowd>,
     pub(super) beams: Beams,
+    pub(super) mounts: Mounts,
     pub(super) scales: Scales,
-    /// Radius of each line's coils.
+    /// Radius of each line's coils, or of its cylinder.
     pub(super) coils: Vec<Option<f64>>,
     /// Names of the bodies that are fixed to the ground.
     pub(super) still: HashSet<String>,
@@ -44,13 +46,15 @@ impl Picture {
     /// Of a scene; the scales are those of what is known of its motion.
     pub(super) fn new(scene: &Scene, plots: Vec<Vec<Plot>>, scales: Scales) -> Self {
         let mut solids = solids(scene);
-        let outlines = solids.iter().map(|solids| Outline::new(solids)).collect();
+        let outlines: Vec<Outline> = solids.iter().map(|solids| Outline::new(solids)).collect();
         drop_of_beams(scene, &mut solids);
         let beams = Beams::new(scene, scales.size, scales.borne);
+        let mounts = Mounts::new(scene, &outlines, scales.size);
         let crowd = Crowd::take(scene, &mut solids);
         let coils = coil_radii(scene, scales.size);
         let (scene, still) = (scene.clone(), still(scene));
-        Self { scene, plots, solids, outlines, crowd, beams, scales, coils, still, statics: None, captions: Vec::new() }
+        let (statics, captions) = (None, Vec::new());
+        Self { scene, plots, solids, outlines, crowd, beams, mounts, scales, coils, still, statics, captions }
     }
 
     /// Whether the body is a thing of its own.
@@ -85,6 +89,7 @@ impl Picture {
         }
         self.send_curves(stream)?;
         self.beams.send(stream)?;
+        self.mounts.send(stream)?;
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
         stream.log(forces::contacts_path(), &arrows)?;

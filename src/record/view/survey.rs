@@ -73,7 +73,7 @@ impl Survey {
     /// Learns from a sample whose arrays fit the scene.
     pub(super) fn include(&mut self, sample: &Sample, scene: &Scene, outlines: &[Outline]) {
         self.bounds.include_bodies(outlines, sample.bodies);
-        self.bounds.include_lines(&scene.lines, sample.bodies);
+        self.bounds.include_ends(scene.ends(), sample.bodies);
         scene.curves.iter().for_each(|curve| self.bounds.include_curve(curve, sample.bodies));
         self.positions.iter_mut().zip(sample.positions).for_each(|(range, x)| range.include(*x));
         self.velocities.iter_mut().zip(sample.velocities).for_each(|(range, x)| range.include(*x));

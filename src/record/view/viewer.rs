@@ -160,8 +160,8 @@ impl Viewer {
         picture.captions = self.captions.clone();
         let poses = picture.poses();
         self.columns = Columns::new(&picture);
-        self.longest =
-            (STRETCH / (7 * poses + 200 * self.scene.lines.len() + picture.beams.numbers() + 16)).clamp(1, 4096);
+        let surfaces = picture.beams.numbers() + picture.mounts.numbers();
+        self.longest = (STRETCH / (7 * poses + 200 * self.scene.lines.len() + surfaces + 16)).clamp(1, 4096);
         self.thinning = Thinning::new(self.known.as_ref().map(|known| known.samples), poses);
         if self.thinning.stride > 1 {
             self.notes.push(format!("one of {} samples is drawn; the curves have them all", self.thinning.stride));
@@ -231,7 +231,7 @@ impl Recorder for Viewer {
             }
         };
         self.bounds.include_bodies(&self.outlines, sample.bodies);
-        self.bounds.include_lines(&self.scene.lines, sample.bodies);
+        self.bounds.include_ends(self.scene.ends(), sample.bodies);
         self.scene.curves.iter().for_each(|curve| self.bounds.include_curve(curve, sample.bodies));
         self.columns.push(sample, &picture);
         if self.thinning.draws() {

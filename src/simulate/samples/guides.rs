@@ -48,14 +48,7 @@ fn springs(model: &Model) -> impl Iterator<Item = LinePicture> + '_ {
         let at = body.hinge.parent_from_hinge.translation.vector.into();
         let ends = vec![(body.parent, at), (Some(index), [0.0; 3])];
         let has_length = spring.map(|[_, rest]| rest).or(coil).is_some_and(|rest| rest > 0.0);
-        has_length.then(|| LinePicture {
-            name: body.name.clone(),
-            ends,
-            spring,
-            pulls_only: false,
-            goes_on: false,
-            coil,
-        })
+        has_length.then(|| LinePicture { name: body.name.clone(), ends, spring, coil, ..LinePicture::default() })
     };
     model.bodies.iter().enumerate().filter_map(of_body)
 }
@@ -81,7 +74,7 @@ fn racks(model: &Model) -> impl Iterator<Item = LinePicture> + '_ {
         let taken_up = from + (middle - from).dot(&along) * along;
         let body = model.body(&rack.name)?;
         let ends = vec![(Some(body), [0.0; 3]), (rack.parent, taken_up.into())];
-        Some(LinePicture { name: gear.name.clone(), ends, spring: None, pulls_only: false, goes_on: true, coil: None })
+        Some(LinePicture { name: gear.name.clone(), ends, goes_on: true, ..LinePicture::default() })
     };
     model.gears.iter().filter_map(of_gear)
 }

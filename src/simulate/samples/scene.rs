@@ -1,7 +1,7 @@
 //! The still part of a recording, from a model.
 
 use super::guides;
-use crate::force::{Act, Picture};
+use crate::force::{Act, LineKind, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::beam::Section;
 use crate::model::couplings::Closure;
@@ -10,9 +10,9 @@ use crate::model::shape::{Geometry, Shape};
 use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
 use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::record::scene::{
-    BodyPicture, Channel, Extent, FactorPicture, LinePicture, LoadPicture, Scene, ShapePicture,
+    BodyPicture, BushingPicture, Channel, Extent, FactorPicture, LinePicture, LoadPicture, Scene, ShapePicture,
 };
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
 /// A plane is drawn this many times as large as the scene, and this part of it thick.
@@ -46,6 +46,7 @@ pub(in crate::simulate) fn of_structure(model: &Arc<Model>) -> Scene {
         title: model.title.clone(),
         bodies: bodies(model),
         lines: springs.chain(rods).chain(model.modals.iter().flat_map(arms)).chain(guides::lines(model)).collect(),
+        bushings: model.forces.iter().filter_map(|force| bushing(model, &force.name, force.law.picture())).collect(),
         beams: model.beams.iter().map(|one| beam(model, one)).collect(),
         curves: guides::curves(model),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
@@ -154,10 +155,7 @@ fn arms(modal: &ModalBody) -> impl Iterator<Item = LinePicture> + '_ {
     modal.tips.iter().zip(&modal.modal.tips).map(|(body, tip)| LinePicture {
         name: format!("{}.{}", modal.name, tip.name),
         ends: vec![(Some(modal.root), [0.0; 3]), (Some(*body), [0.0; 3])],
-        spring: None,
-        pulls_only: false,
-        goes_on: false,
-        coil: None,
+        ..LinePicture::default()
     })
 }
 
@@ -246,16 +244,38 @@ fn shape(shape: &Shape, reach: f64) -> ShapePicture {
 
 /// Lines are drawn between the named bodies they are attached to.
 fn line(model: &Model, name: &str, picture: Picture<'_>) -> Option<LinePicture> {
-    let Picture::Line { through, spring, pulls_only } = picture else { return None };
+    let Picture::Line { through, kind } = picture else { return None };
     let ends = through.iter().map(|end| (end.body, on_body(model, end))).collect();
-    Some(LinePicture { name: name.to_owned(), ends, spring, pulls_only, goes_on: false, coil: None })
+    let line = LinePicture { name: name.to_owned(), ends, ..LinePicture::default() };
+    Some(match kind {
+        LineKind::Spring { stiffness, length } => LinePicture { spring: Some([stiffness, length]), ..line },
+        LineKind::Curved { length } => LinePicture { coil: Some(length), ..line },
+        LineKind::Damper => LinePicture { is_damper: true, ..line },
+        LineKind::Rope { stiffness, length } => {
+            LinePicture { spring: Some([stiffness, length]), pulls_only: true, ..line }
+        }
+    })
+}
+
+/// The frames of bushings are given in the axes of the named bodies that they join.
+fn bushing(model: &Model, name: &str, picture: Picture<'_>) -> Option<BushingPicture> {
+    let Picture::Block { ends, frames, stiffness } = picture else { return None };
+    let on_ground = UnitQuaternion::identity();
+    let frame = |k: usize| {
+        let body_from_link = |body: usize| model.bodies[body].link_from_body.rotation.inverse();
+        let link_from_frame = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frames[k]));
+        let turn = ends[k].body.map_or(on_ground, body_from_link) * link_from_frame;
+        [turn.w, turn.i, turn.j, turn.k]
+    };
+    let ends = [0, 1].map(|k| (ends[k].body, on_body(model, &ends[k])));
+    Some(BushingPicture { name: name.to_owned(), ends, frames: [frame(0), frame(1)], stiffness: (*stiffness).into() })
 }
 
 /// Rigid rods that close loops have no body that could be drawn.
 fn rod(model: &Model, closed: &Loop) -> Option<LinePicture> {
     let Closure::Rod { .. } = closed.closure else { return None };
     let ends = closed.ends.iter().map(|end| (end.body, on_body(model, end))).collect();
-    Some(LinePicture { name: closed.name.clone(), ends, spring: None, pulls_only: false, goes_on: false, coil: None })
+    Some(LinePicture { name: closed.name.clone(), ends, ..LinePicture::default() })
 }
 
 /// A load on the ground moves nothing and is not drawn.

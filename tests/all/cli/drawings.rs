@@ -103,6 +103,58 @@ fn the_curve_of_a_bead_is_drawn() {
     assert_eq!(parts(&bench, &[]), 2, "the bead and its wire");
 }
 
+/// Two bodies without gravity, a metre apart, and a force.
+fn with_force(keys: &str) -> Bench {
+    let other = "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { box = [0.2, 0.2, 0.2] }\n\
+                 hinge = { type = \"free\", position = [1, 0, 0, 1, 0, 0, 0] }\n";
+    let own = "shape = { box = [0.2, 0.2, 0.2] }\nhinge = { type = \"free\" }";
+    recorded(&scene(own, &format!("{other}{keys}")))
+}
+
+#[test]
+fn every_kind_of_force_is_drawn() {
+    let force = |kind: &str, keys: &str| format!("[[force]]\nname = \"f\"\ntype = \"{kind}\"\n{keys}\n");
+    let between = |keys: &str| format!("between = [\"a\", \"b\"]\n{keys}");
+    let bare = parts(&with_force(""), &["--loads"]);
+    for keys in [
+        force("spring", &between("stiffness = 1.0\nlength = 1.0")),
+        force("spring", &between("stiffness = 0.0\ndamping = 1.0\nlength = 1.0")),
+        force("bushing", &between("stiffness = [1, 1, 2, 0, 0, 0]")),
+        force("curve", &between("force = [[-1.0, -1.0], [1.0, 1.0]]\nlength = 1.0")),
+        force("curve", &between("force = { rate = [[-1.0, -1.0], [1.0, 1.0]] }")),
+        force("rope", "through = [\"a\", \"b\"]\nstiffness = 1.0\nlength = 1.0"),
+        force("load", "on = \"a\"\nforce = [1, 0, 0]"),
+        force("load", "on = \"a\"\ntorque = [1, 0, 0]"),
+        "[[loop]]\nname = \"f\"\ntype = \"rod\"\nlength = 1.0\nbetween = [\"a\", \"b\"]\n".to_owned(),
+    ] {
+        assert_eq!(parts(&with_force(&keys), &["--loads"]), bare + 1, "{keys}");
+    }
+}
+
+/// Rubber is darker than all else of the picture.
+#[test]
+fn a_bushing_is_drawn_as_it_is_sheared() {
+    let mount = "[[force]]\ntype = \"bushing\"\nbetween = [{ body = \"ground\", at = [0, 0, -0.5] }, { body = \"a\", at = [0, 0, -0.5] }]\n\
+                 stiffness = [0, 0, 1, 0, 0, 0]\n";
+    let width = |aside: f64| {
+        let body = format!(
+            "shape = {{ box = [1.0, 1.0, 1.0], color = \"#ffffff\" }}\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = {aside:?} }}"
+        );
+        let svg = picture(&recorded(&scene(&body, mount)), &["--camera", "front"]);
+        let document = roxmltree::Document::parse(&svg).expect("XML");
+        let is_rubber = |fill: &str| {
+            fill.len() == 7
+                && [1, 3, 5].iter().all(|at| u8::from_str_radix(&fill[*at..at + 2], 16).is_ok_and(|part| part < 0x30))
+        };
+        let rubber = document.descendants().filter(|node| node.attribute("fill").is_some_and(is_rubber));
+        let places: Vec<f64> = rubber.filter_map(|node| node.attribute("d")).flat_map(numbers).collect();
+        let across = || places.iter().step_by(2).copied();
+        across().fold(0.0, f64::max) - across().fold(f64::INFINITY, f64::min)
+    };
+    let (relaxed, sheared) = (width(0.0), width(0.03));
+    assert!(relaxed > 0.0 && sheared > 1.3 * relaxed, "{relaxed} and {sheared} pixels");
+}
+
 #[test]
 fn marks_are_as_large_as_the_start_asks_for() {
     let flying = "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { sphere = 0.1 }\nhinge = { type = \"free\", velocity = [900, 0, 0, 0, 0, 0] }\n";

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
-use stillpoint::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, ShapePicture};
+use stillpoint::record::scene::{BodyPicture, BushingPicture, Channel, LinePicture, LoadPicture, ShapePicture};
 use stillpoint::record::{Energy, Opening, Outcome, OwnedSample, Recorder, RecordingFile, Scene};
 use stillpoint::spatial::{Pose, Wrench};
 
@@ -44,9 +44,7 @@ impl Motion {
             name: name.into(),
             ends: vec![(None, [x, 0.0, 2.2]), (Some(2), from)],
             spring: Some([100.0, 0.3]),
-            pulls_only: false,
-            goes_on: false,
-            coil: None,
+            ..LinePicture::default()
         };
         let load = |name: &str, turns| LoadPicture {
             name: name.into(),
@@ -66,6 +64,12 @@ impl Motion {
                 rod,
             ],
             lines: vec![line("left spring", 1.0, [-0.2, 0.0, 0.15]), line("right spring", 2.0, [0.2, 0.0, 0.15])],
+            bushings: vec![BushingPicture {
+                name: "mount".into(),
+                ends: [(None, [1.5, 0.0, 1.0]), (Some(2), [0.0, 0.0, -0.15])],
+                frames: [[1.0, 0.0, 0.0, 0.0]; 2],
+                stiffness: [1.0, 1.0, 2.0],
+            }],
             beams: Vec::new(),
             loads: vec![load("wind", false), load("thrust", true)],
             positions: channels(&[("upper", "angle", "rad"), ("lower", "angle", "rad")])

@@ -130,6 +130,8 @@ mod with_view {
                 "/events/lower",
                 "impact of `lower` at 0.5",
                 "/events/integrator",
+                "/springs/mount",
+                "Mesh3D",
                 "DEBUG",
                 "PT0.105S",
                 "/couplings/ring/gap",
