@@ -13,6 +13,7 @@
 //! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for; those of bodies that frames do not hold make no
 //!   frame larger.
 
+mod anchor;
 pub(super) mod bounds;
 pub(super) mod ground;
 pub(super) mod lines;
@@ -33,9 +34,9 @@ use super::scene::{LoadPicture, Scene};
 use super::solids::{Form, Solid, drop_of_beams, solids};
 use super::tubes::Tubes;
 use crate::spatial::{Pose, Wrench};
+use anchor::Anchor as End;
 use bounds::{Bounds, Outline};
 use nalgebra::Point3;
-use place::Anchor as End;
 
 /// What is drawn beside bodies and lines, and what is framed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -1,8 +1,9 @@
 //! The parts of a drawing, from its scene.
 
+use super::anchor::{Anchor, toward};
 use super::lines::{coil_radii, free_length};
 use super::mount::mounts;
-use super::place::{Anchor, Part, Place, toward};
+use super::place::{Part, Place};
 use super::sweep::Sweep;
 use super::{Drawing, LoadTime, Triangles, Tubes};
 use crate::record::contact::{ContactPush, still};

@@ -1,10 +1,11 @@
 //! Where a part is.
 
 use super::Triangles;
+use super::anchor::{Anchor, carried, point, toward};
 use super::mount::Mount;
 use super::sweep::Sweep;
 use crate::spatial::Pose;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use std::sync::Arc;
 
 /// Something that is drawn: triangles in axes of their own, and where these axes are.
@@ -22,9 +23,6 @@ pub struct Part {
     pub is_arrow: bool,
     pub(super) place: Place,
 }
-
-/// A point of a body (`None`: the ground), in its axes.
-pub(super) type Anchor = (Option<usize>, [f64; 3]);
 
 /// What a part moves with.
 #[derive(Debug, Clone)]
@@ -111,22 +109,4 @@ impl Part {
             _ => None,
         }
     }
-}
-
-/// The turn that takes z along a direction; none for a direction without length.
-pub(super) fn toward(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
-    let down = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-    match direction.try_normalize(0.0) {
-        Some(along) => UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(down),
-        None => UnitQuaternion::identity(),
-    }
-}
-
-/// The pose of a body (`None`: the ground).
-pub(super) fn carried(body: Option<usize>, poses: &[Pose]) -> Pose {
-    body.and_then(|body| poses.get(body)).copied().unwrap_or_default()
-}
-
-pub(super) fn point((body, at): &Anchor, poses: &[Pose]) -> Vector3<f64> {
-    (carried(*body, poses) * Point3::from(*at)).coords
 }

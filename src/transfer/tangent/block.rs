@@ -1,4 +1,4 @@
-//! The block of a flexible element's own coordinates in the tangent: `D` of eq. (9), and its inverse.
+//! The block of a flexible element's own coordinates in the tangent: `D` of `rod` and `modal`, and its inverse.
 
 use crate::element::pivot::Pivot;
 use crate::spatial::quad::Quad;

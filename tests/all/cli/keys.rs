@@ -138,7 +138,7 @@ fn inspect() {
     );
     assert_eq!(
         (&inspect["bodies"], &inspect["degrees_of_freedom"], &inspect["loops"]),
-        (&2.into(), &6.into(), &0.into())
+        (&3.into(), &6.into(), &0.into())
     );
     numbers(&inspect["center_of_mass"], 3);
     numbers(&inspect["positions"]["machine"], 7);
