@@ -81,6 +81,7 @@ impl Mount {
     }
 
     /// Three corners each.
+    #[cfg(feature = "view")]
     pub(in crate::record) fn corners(&self) -> &[[u32; 3]] {
         &self.local.corners
     }
