@@ -38,24 +38,28 @@ impl RoundOff {
     }
 
     /// The round-off of numbers of a size, in its unit.
+    #[inline]
     #[must_use]
     pub const fn of(self, scale: f64) -> f64 {
         self.0 * scale
     }
 
     /// Test (1): whether a number is no more than the round-off of terms of a size.
+    #[inline]
     #[must_use]
     pub fn hides(self, x: f64, scale: f64) -> bool {
         x.abs() <= self.of(scale)
     }
 
     /// The largest number ≥ 0 that is `x` but for round-off.
+    #[inline]
     #[must_use]
     pub fn above(self, x: f64) -> f64 {
         x * (1.0 + self.0)
     }
 
     /// The smallest number ≥ 0 that is `x` but for round-off.
+    #[inline]
     #[must_use]
     pub fn below(self, x: f64) -> f64 {
         x * (1.0 - self.0)
@@ -72,6 +76,7 @@ pub const EVENT_TIME: RoundOff = RoundOff::units(8.0);
 pub const MEANT_TIME: RoundOff = RoundOff(1e-12);
 
 /// Whether an instant has come at a time (s).
+#[inline]
 #[must_use]
 pub fn has_come(instant: f64, time: f64) -> bool {
     instant <= TIME.above(time)
