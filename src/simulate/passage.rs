@@ -45,7 +45,12 @@ pub(super) struct Passage {
     step: Vec<f64>,
     acceleration: Vec<f64>,
     multipliers: Vec<f64>,
-    /// How far the state of the last look moved, in parts of how far along it was put.
+}
+
+/// What a look finds.
+struct Seen {
+    clearance: f64,
+    /// How far the settled state is from where the motion is now, in parts of how far along it was put.
     moved: f64,
 }
 
@@ -61,7 +66,6 @@ impl Passage {
             step: vec![0.0; model.velocity_count()],
             acceleration: vec![0.0; model.velocity_count()],
             multipliers: vec![0.0; system.constraint_rank()],
-            moved: 0.0,
         };
         passage.start(system, 0.0, &model.start_position, &model.start_velocity);
         passage
@@ -70,12 +74,12 @@ impl Passage {
     /// Looks anew from a state: the rows are others than before.
     pub(super) fn start(&mut self, system: &mut System, time: f64, q: &[f64], v: &[f64]) {
         self.multipliers.resize(system.constraint_rank(), 0.0);
-        self.clearance = self.look(system, time, (q, v), 0.0).unwrap_or(0.0);
+        self.clearance = self.look(system, time, (q, v), 0.0).map_or(0.0, |seen| seen.clearance);
         self.widest = self.clearance.max(f64::MIN_POSITIVE);
         let fastest = self.fastest(v);
         for along in [-0.2, -0.05, 0.05, 0.2] {
             let there = if fastest > 0.0 { self.look(system, time, (q, v), along / fastest) } else { None };
-            self.widest = self.widest.max(there.unwrap_or(0.0));
+            self.widest = self.widest.max(there.map_or(0.0, |seen| seen.clearance));
         }
     }
 
@@ -102,7 +106,7 @@ impl Passage {
         a: &mut [f64],
     ) -> Result<(), Fault> {
         let here = self.look(system, time, (q, v), 0.0);
-        let within = here.is_some_and(|clearance| clearance < WITHIN * self.widest);
+        let within = here.as_ref().is_some_and(|seen| seen.clearance < WITHIN * self.widest);
         if within && self.interpolate(system, time, q, v, a) {
             return Ok(());
         }
@@ -120,17 +124,12 @@ impl Passage {
         let mut along = 2.0 * WITHIN * self.widest;
         let clear = WITHIN * self.widest;
         while along * WEIGHTS.len() as f64 <= FARTHEST {
-            let mut moved = 0.0_f64;
-            let sides = [-1.0, 1.0].map(|sign| {
-                let side = self.look(system, time, (q, v), sign * along / fastest);
-                moved = moved.max(self.moved);
-                side
-            });
-            if sides.iter().all(|side| side.is_some_and(|clearance| clearance >= clear)) {
+            let sides = [-1.0, 1.0].map(|sign| self.look(system, time, (q, v), sign * along / fastest));
+            if sides.iter().all(|side| side.as_ref().is_some_and(|seen| seen.clearance >= clear)) {
                 return self.sum(system, time, (q, v), along / fastest, a);
             }
             // The dead centre of a drive is passed by no motion: at this time there is none.
-            if moved < HELD {
+            if sides.iter().flatten().all(|seen| seen.moved < HELD) {
                 return false;
             }
             along *= 2.0;
@@ -160,9 +159,8 @@ impl Passage {
         true
     }
 
-    /// Settles the state that lies `along` (s) further on the motion into the scratch state; its clearance, `None` if there is
-    /// none.
-    fn look(&mut self, system: &mut System, time: f64, (q, v): (&[f64], &[f64]), along: f64) -> Option<f64> {
+    /// Settles the state that lies `along` (s) further on the motion into the scratch state; `None` if it cannot be settled.
+    fn look(&mut self, system: &mut System, time: f64, (q, v): (&[f64], &[f64]), along: f64) -> Option<Seen> {
         let Self { position, velocity, step, .. } = self;
         position.copy_from_slice(q);
         velocity.copy_from_slice(v);
@@ -174,9 +172,9 @@ impl Passage {
             position.iter().zip(q).fold(0.0_f64, |most, (there, here)| most.max((there - here).abs()))
         };
         let put = away(position);
-        let settled = system.settle(time, position, velocity).ok();
-        self.moved = if put > 0.0 && settled.is_some() { away(position) / put } else { 0.0 };
-        settled.map(|settled| settled.clearance)
+        let settled = system.settle(time, position, velocity).ok()?;
+        let moved = if put > 0.0 { away(position) / put } else { 0.0 };
+        Some(Seen { clearance: settled.clearance, moved })
     }
 
     /// The fastest coordinate (1/s).

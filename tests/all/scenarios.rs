@@ -94,7 +94,7 @@ fn every_scenario_loads_without_warnings_and_keeps_its_energy() {
         times.dedup();
         let due = |time: f64| (time * scenario.record.rate - (time * scenario.record.rate).round()).abs() < 1e-9;
         times.retain(|time| model.stages.is_none() || due(*time));
-        assert_eq!(times.len(), 1 + (duration * scenario.record.rate + 1e-9) as usize, "{name}");
+        assert_eq!(times.len(), 1 + (duration * scenario.record.rate * (1.0 + f64::EPSILON)) as usize, "{name}");
         // The tolerances of the files are 1e-9 and smaller per step of error; some hundred steps add up.
         let kinetic = samples.iter().map(|sample| sample.energy.kinetic).fold(0.0, f64::max);
         let size = summary.energy_start.abs().max(model.total_mass() * G * model.length_scale()).max(kinetic);

@@ -38,12 +38,18 @@ impl Output {
         self.regression.as_ref().is_some_and(|regression| regression.explained >= LINEAR)
     }
 
+    /// Whether what each input explains alone ranks them: where lines explain little, if it is known.
+    fn ranks_alone(&self) -> bool {
+        let effects = self.regression.iter().flat_map(|regression| &regression.effects);
+        !self.is_linear() && effects.into_iter().all(|effect| self.alone[effect.input].is_some())
+    }
+
     /// The inputs that vary, with what each explains alone: what matters most first, by the coefficients, or by that where lines
     /// explain little.
     fn ranked(&self) -> Vec<(Effect, Option<FirstOrder>)> {
         let effects = self.regression.iter().flat_map(|regression| &regression.effects);
         let mut ranked: Vec<_> = effects.map(|effect| (*effect, self.alone[effect.input])).collect();
-        if !self.is_linear() && ranked.iter().all(|(_, alone)| alone.is_some()) {
+        if self.ranks_alone() {
             let index = |alone: &Option<FirstOrder>| alone.map_or(0.0, |alone| alone.index);
             ranked.sort_by(|a, b| index(&b.1).total_cmp(&index(&a.1)));
         }

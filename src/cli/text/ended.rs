@@ -176,20 +176,20 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     let _ = writeln!(out, "  steps        {} ({} rejected){work}", counters.steps, counters.rejected_steps);
     // Rounding adds up as a random walk: √n of n steps.
     let rounding = f64::EPSILON * (counters.steps as f64).sqrt();
-    if counters.error_sum > summary.tolerance || counters.steps > LONG && counters.error_sum > 0.0 {
+    let is_above = counters.error_sum > summary.tolerance;
+    if is_above || counters.steps > LONG && counters.error_sum > 0.0 {
+        let advice = match summary.tolerance < FLOOR {
+            true => "no step is held to less than 9e-14",
+            false => "a tighter one brings them down",
+        };
+        let above = format!(", above the tolerance of {:.0e}: {advice}", summary.tolerance);
         let _ = writeln!(
             out,
             "  accuracy     the errors of {} steps, each by itself, add up to {}{}; rounding adds {}; what the motion makes of \
              them until the end is not in this: `--verify` measures it",
             counters.steps,
             small(counters.error_sum),
-            match (counters.error_sum > summary.tolerance, summary.tolerance < FLOOR) {
-                (false, _) => String::new(),
-                (true, true) =>
-                    format!(", above the tolerance of {:.0e}: no step is held to less than 9e-14", summary.tolerance),
-                (true, false) =>
-                    format!(", above the tolerance of {:.0e}: a tighter one brings them down", summary.tolerance),
-            },
+            if is_above { &above } else { "" },
             small(rounding)
         );
     }

@@ -147,7 +147,7 @@ impl Contacts {
             let is_nearest = meeting.flat >= -GAP * size && meeting.gap < best.get()[0] + LANDS * size;
             is_nearest && !is_closed(meeting) && is_own(meeting.gap)
         };
-        // A disc that comes down on its rim lands before its lowest point runs around the rim, within nothing.
+        // A disc that comes down on its rim lands before its lowest point runs around the rim.
         let tips = self.closed.iter().any(|closed| closed.key.couple == couple && closed.meeting.tips());
         // Of what does not count it is all the same whether it passes by.
         let put = |meeting: Meeting| {

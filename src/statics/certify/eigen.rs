@@ -7,8 +7,8 @@
 //! (T − λ) x = 0,   x = (…, x_k, 0, …, 0) for λ of the block that ends in row k                   (1)
 //! ```
 //!
-//! by substitution from row k upwards. Large ones are faer's, whose blocks pay from some twenty rows on (of twelve rows: 130 000 instructions
-//! for 330 000).
+//! by substitution from row k upwards: twelve rows, of six coordinates, take 131 000 instructions for it where faer takes 335 000. Large ones
+//! are faer's, which works in blocks.
 
 use faer::{Mat, c64};
 use nalgebra::{DMatrix, Schur};
@@ -17,6 +17,10 @@ use nalgebra::{DMatrix, Schur};
 const SMALL: usize = 24;
 /// Sweeps of the QR iteration for each row: two or three are usual.
 const SWEEPS: usize = 60;
+/// Divisors are at least this part of the matrix: equal eigenvalues give vectors that are as good as equal.
+const LEAST: f64 = f64::EPSILON;
+/// Vectors that grow beyond this by such divisors are scaled: their squares have to stay finite.
+const LARGE: f64 = 1e100;
 
 /// Eigenvalues with their vectors, every pair of complex ones by both; `None` if the iteration does not end.
 pub(super) fn pairs(matrix: &Mat<f64>) -> Option<Vec<(c64, Vec<c64>)>> {
@@ -40,15 +44,13 @@ fn small(matrix: &Mat<f64>) -> Option<Vec<(c64, Vec<c64>)>> {
     let unit = if size > 0.0 { size.log2().floor().exp2() } else { 1.0 };
     let copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / unit);
     let (q, t) = Schur::try_new(copy, f64::EPSILON, SWEEPS * n.max(1))?.unpack();
-    // Divisors are at least this: equal eigenvalues give vectors that are as good as equal.
-    let least = f64::EPSILON;
     let mut found = Vec::with_capacity(n);
     let mut k = 0;
     while k < n {
         let is_pair = k + 1 < n && t[(k + 1, k)] != 0.0;
         let last = k + usize::from(is_pair);
         for root in block(&t, k, last) {
-            let x = substituted(&t, root, last, least);
+            let x = substituted(&t, root, last);
             let vector: Vec<c64> = (0..n).map(|row| (0..=last).map(|j| x[j] * q[(row, j)]).sum()).collect();
             found.push((root * unit, vector));
         }
@@ -76,9 +78,8 @@ fn block(t: &DMatrix<f64>, k: usize, last: usize) -> Vec<c64> {
 }
 
 /// (1) for an eigenvalue of the block that ends in row `last`.
-fn substituted(t: &DMatrix<f64>, root: c64, last: usize, least: f64) -> Vec<c64> {
+fn substituted(t: &DMatrix<f64>, root: c64, last: usize) -> Vec<c64> {
     let mut x = vec![c64::new(0.0, 0.0); last + 1];
-    let clear = |z: c64| if z.re.hypot(z.im) < least { c64::new(least, 0.0) } else { z };
     x[last] = c64::new(1.0, 0.0);
     let mut row = last as isize - 1;
     if last > 0 && t[(last, last - 1)] != 0.0 {
@@ -99,27 +100,34 @@ fn substituted(t: &DMatrix<f64>, root: c64, last: usize, least: f64) -> Vec<c64>
                 [c64::new(t[(i - 1, i - 1)], 0.0) - root, c64::new(t[(i - 1, i)], 0.0)],
                 [c64::new(t[(i, i - 1)], 0.0), c64::new(t[(i, i)], 0.0) - root],
             ];
-            [x[i - 1], x[i]] = solved(rows, [-known(i - 1, i + 1, &x), -known(i, i + 1, &x)], least);
+            [x[i - 1], x[i]] = solved(rows, [-known(i - 1, i + 1, &x), -known(i, i + 1, &x)]);
             row -= 2;
         } else {
             x[i] = -known(i, i + 1, &x) / clear(c64::new(t[(i, i)], 0.0) - root);
             row -= 1;
         }
-        let largest = x.iter().map(|z| z.re.hypot(z.im)).fold(0.0, f64::max);
-        if largest > 1e100 {
+        let largest = x.iter().map(size).fold(0.0, f64::max);
+        if largest > LARGE {
             x.iter_mut().for_each(|z| *z /= largest);
         }
     }
     x
 }
 
+fn size(z: &c64) -> f64 {
+    z.re.hypot(z.im)
+}
+
+/// A divisor that is no smaller than [`LEAST`].
+fn clear(z: c64) -> c64 {
+    if size(&z) < LEAST { c64::new(LEAST, 0.0) } else { z }
+}
+
 /// Two equations, by elimination with the largest pivots: where they depend on each other the residual stays small, and the solution is
 /// along what they leave free.
-fn solved(rows: [[c64; 2]; 2], rhs: [c64; 2], least: f64) -> [c64; 2] {
-    let size = |z: c64| z.re.hypot(z.im);
-    let largest = (0..4).max_by(|a, b| size(rows[a / 2][a % 2]).total_cmp(&size(rows[b / 2][b % 2]))).unwrap_or(0);
+fn solved(rows: [[c64; 2]; 2], rhs: [c64; 2]) -> [c64; 2] {
+    let largest = (0..4).max_by(|a, b| size(&rows[a / 2][a % 2]).total_cmp(&size(&rows[b / 2][b % 2]))).unwrap_or(0);
     let (i, j) = (largest / 2, largest % 2);
-    let clear = |z: c64| if size(z) < least { c64::new(least, 0.0) } else { z };
     let pivot = clear(rows[i][j]);
     let part = rows[1 - i][j] / pivot;
     let other = (rhs[1 - i] - part * rhs[i]) / clear(rows[1 - i][1 - j] - part * rows[i][1 - j]);
@@ -180,6 +188,7 @@ mod tests {
                 let near = |z: &c64| (z.re - root.re).hypot(z.im - root.im);
                 let at =
                     (0..other.len()).min_by(|i, j| near(&other[*i]).total_cmp(&near(&other[*j]))).expect("one left");
+                // Eigenvalues of a random matrix of this size are some 10⁵ times as uncertain as its entries at worst.
                 assert!(near(&other[at]) < 1e-9, "{n}: {root:?} and {:?}", other[at]);
                 other.swap_remove(at);
             }

@@ -435,8 +435,9 @@ fn upright_cylinders_come_down_flat_behind_an_edge() {
         );
         let told = bench.call(&["run", "scene.toml", "--json", "--out", "a.mcap"]).code(0).json();
         let (end, velocity) = (&told["final"]["positions"]["load"], &told["final"]["velocities"]["load"]);
-        // Tipping by `step/2r` gives back what it took but for its square.
-        assert!((number(&velocity[0]) - speed).abs() < 1e-3, "case {case}: {velocity} not {speed}");
+        // The edge pushes it on, by no more than the height of the step gives: `v² − v₀² = 2 g step`.
+        let gained = number(&velocity[0]) - speed;
+        assert!(gained > -1e-9 && gained < G * step / speed, "case {case}: {velocity} not {speed}");
         let off = number(&end[2]) - 0.5 * height + step;
         assert!(off.abs() < 1e-8, "case {case}: {off:e} above the floor");
         // Some twenty rolls and landings within milliseconds take some hundreds.

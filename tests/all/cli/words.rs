@@ -112,6 +112,28 @@ fn as_many_digits_as_are_asked_for() {
     assert!(bench.call(&["statics", "pendulum.toml", "--digits", "0"]).code(2).err.contains("1..=17"));
 }
 
+/// A pendulum of large swings makes more of its errors than they are: a long run says what its steps add up to, that this is of steps by
+/// themselves, and what measures the rest. A short one within its tolerance says nothing.
+#[test]
+fn the_sum_of_errors_is_not_told_as_the_error() {
+    let bench = Bench::new();
+    bench.write(
+        "swing.toml",
+        "simulate = { start = \"given\", integrator = \"radau9\", tolerance = 1e-8 }\nrecord = { rate = 0.1 }\n\
+         [[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0, 0, -1]\nhinge = { type = \"revolute\", axis = [0, 1, 0], position = 2.5 }\n",
+    );
+    let told = |duration: &str| {
+        let text = bench.call(&["run", "swing.toml", "--set", &format!("simulate.duration={duration}")]).code(0).out;
+        text.lines().find(|line| line.contains("accuracy")).map(str::to_owned)
+    };
+    let long = told("200").expect("more than 2000 steps");
+    assert!(
+        long.contains("each by itself") && long.contains("`--verify` measures it") && !long.contains("at most"),
+        "{long}"
+    );
+    assert_eq!(told("2"), None);
+}
+
 /// Strings of an answer that are names, with where they stand; notes are sentences.
 fn names(value: &Value, path: &str, found: &mut Vec<(String, String)>) {
     match value {

@@ -44,8 +44,7 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
             let unit = study.reader.numbers.iter().find(|(other, _)| other == input).map_or("", |(_, unit)| unit);
             scatter(&left, theme, [&with_unit(input, unit), &name], &points)?;
         }
-        // Where lines explain little, what each input explains alone ranks them.
-        let alone = !output.is_linear() && effects.iter().all(|(_, alone)| alone.is_some());
+        let alone = output.ranks_alone();
         let effects: Vec<(&str, f64, f64)> = effects
             .iter()
             .take(MOST_INPUTS)
