@@ -6,7 +6,8 @@
 //!
 //! Rank is a matter of geometry: `Ĝ` knows no masses, and each component (see [`super::component`]) is decided by itself. The
 //! rows are looked at in the position itself and in closed positions around it: in a singular position (a change point, a dead
-//! centre) rows are linearly dependent that are not elsewhere, and those have to be kept.
+//! centre) rows are linearly dependent that are not elsewhere, and those have to be kept. Where nothing can move without a drive no
+//! path leads to from here: that is another way to assemble the scene.
 
 use super::choose::{self, DEPENDENT};
 use super::close::{Closing, Metric};
@@ -14,7 +15,7 @@ use super::component::{between_ends, components, lengths, levers, members};
 use super::row::Rule;
 use super::rows::Owner;
 use super::{Constraints, RowSelection};
-use crate::model::Model;
+use crate::model::{Link, Model};
 use crate::motion::Motion;
 use crate::sparse::SparseRows;
 
@@ -61,7 +62,8 @@ pub(super) fn decide(model: &Model, selection: &RowSelection, q: &[f64], time: f
             let members = || component.iter().flat_map(|e| rows.elements[*e].rows.clone());
             let count = |kept: &[bool]| members().filter(|row| kept[*row]).count();
             let is_closed = || members().all(|row| rows.relative_gap(row) <= CLOSED);
-            if count(&there) > count(&independent) && is_closed() {
+            let moves = || count(&there) < velocities(model, rows, component) || is_driven(rows, component);
+            if count(&there) > count(&independent) && is_closed() && moves() {
                 members().for_each(|row| independent[row] = there[row]);
                 singular = true;
             }
@@ -193,23 +195,36 @@ impl super::RowGroup {
 /// else is in the scene.
 fn around(model: &Model, closing: &Closing, components: &[Vec<usize>], attempt: usize) -> Vec<f64> {
     let mut step = vec![0.0; model.velocity_count()];
-    let elements = &closing.rows.elements;
     let mut slides = vec![false; step.len()];
     model.lengths().for_each(|velocity| slides[velocity] = true);
-    let sizes = lengths(model, elements, &closing.rows.rules, &closing.motion);
+    let sizes = lengths(model, &closing.rows.elements, &closing.rows.rules, &closing.motion);
     for component in components.iter().filter(|component| !component.is_empty()) {
         let reach = sizes[component[0]].reach;
-        let mut links: Vec<usize> = component.iter().flat_map(|e| between_ends(model, &elements[*e])).collect();
-        links.sort_unstable();
-        links.dedup();
         let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ ((attempt as u64) << 32));
-        for link in links.into_iter().map(|link| &model.links[link]) {
+        for link in links(model, &closing.rows, component) {
             for i in link.velocity..link.velocity + link.joint.counts().1 {
                 step[i] = if slides[i] { AROUND * reach } else { AROUND } * random.next();
             }
         }
     }
     step
+}
+
+/// The links between the ends of a component's elements, inner ones first.
+fn links<'m>(model: &'m Model, rows: &Constraints, component: &[usize]) -> impl Iterator<Item = &'m Link> {
+    let mut links: Vec<usize> = component.iter().flat_map(|e| between_ends(model, &rows.elements[*e])).collect();
+    links.sort_unstable();
+    links.dedup();
+    links.into_iter().map(|link| &model.links[link])
+}
+
+/// How many velocities the hinges of a component have.
+fn velocities(model: &Model, rows: &Constraints, component: &[usize]) -> usize {
+    links(model, rows, component).map(|link| link.joint.counts().1).sum()
+}
+
+fn is_driven(rows: &Constraints, component: &[usize]) -> bool {
+    component.iter().any(|e| matches!(rows.elements[*e].owner, Owner::Drive(_)))
 }
 
 /// Xorshift.

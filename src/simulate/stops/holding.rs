@@ -22,7 +22,7 @@ use crate::dynamics::Fault;
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence, Transition};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 /// A row that others hold up to this part presses with what a free one would press with.
 const NEARLY_TIED: f64 = 1e-9;
@@ -308,13 +308,34 @@ impl Instant<'_> {
         }
     }
 
+    /// What of the multipliers of rows that hold is round-off: that of all their rates, `Σⱼ |A⁻¹|ᵢⱼ noiseⱼ`. Rows within what [`decide`]
+    /// takes for pressing hold, so that less would let go of them as soon as they do.
+    ///
+    /// [`decide`]: Self::decide
+    fn noise_of_multipliers(&self, holding: &[&Rest]) -> Vec<f64> {
+        let entry = |i: usize, j: usize| {
+            let tied = if i == j { NEARLY_TIED * self.free[holding[i].row] } else { 0.0 };
+            self.entry(holding[i].row, holding[j].row) + tied
+        };
+        let n = holding.len();
+        let symmetric = DMatrix::from_fn(n, n, |i, j| 0.5 * (entry(i, j) + entry(j, i)));
+        match symmetric.cholesky() {
+            Some(factors) => {
+                let inverse = factors.inverse();
+                (0..n).map(|i| (0..n).map(|j| inverse[(i, j)].abs() * holding[j].noise).sum()).collect()
+            }
+            None => (0..n).map(|i| holding[i].noise / entry(i, i)).collect(),
+        }
+    }
+
     /// What is held by the rows whose multipliers are free.
     fn held(&self, rest: &[Rest], found: &Solution) -> Vec<Holding> {
         let mut held: Vec<Holding> = Vec::new();
-        for (one, _) in rest.iter().zip(&found.active).filter(|(_, active)| **active) {
+        let holding: Vec<&Rest> =
+            rest.iter().zip(&found.active).filter(|(_, active)| **active).map(|(one, _)| one).collect();
+        for (one, noise) in holding.iter().zip(self.noise_of_multipliers(&holding)) {
             let (coordinate, sign) = self.coordinate(one.row);
-            let own = self.entry(one.row, one.row);
-            let slack = 2.0 * one.noise / own.max(NEARLY_TIED * self.free[one.row]);
+            let slack = 2.0 * noise;
             let law = one.friction.map(|index| self.motion.model().hinge_friction[index]);
             if let Some(law) = law.filter(|law| law.count != 1) {
                 match held.iter_mut().find(|held| held.velocity == law.velocity) {

@@ -186,23 +186,62 @@ fn no_stop_is_passed_beside_gears() {
     });
 }
 
-/// Masses on one line, each a stop for the next: a blow drives the ones below onto stops that they touch already.
+/// Masses on one line, each a stop for the next, some on springs that press them onto it.
+fn stack(random: &mut Random, sprung: bool) -> String {
+    let mut text = "[record]\nrate = 300.0\n[simulate]\nstart = \"given\"\nduration = 1.0\n".to_owned();
+    for level in 0..2 + random.below(5) {
+        let parent = if level == 0 { "ground".to_owned() } else { format!("m{}", level - 1) };
+        let (mass, height) = (random.between(0.1, 3.0), [0.0, 0.3, random.between(0.0, 0.5)][random.below(3)]);
+        let restitution = if random.below(3) == 0 { 0.0 } else { random.between(0.0, 0.9) };
+        let spring = match sprung {
+            true => format!(", stiffness = {}, damping = 0.1", 10_f64.powf(random.between(0.0, 5.0))),
+            false => String::new(),
+        };
+        let _ = write!(
+            text,
+            "[[body]]\nname = \"m{level}\"\nmass = {mass}\nhinge = {{ type = \"prismatic\", parent = \"{parent}\", axis = \
+             [0, 0, 1], position = {height}, limits = {{ low = 0.0, restitution = {restitution} }}{spring} }}\n"
+        );
+    }
+    text
+}
+
+/// A blow drives the ones below onto stops that they touch already.
 #[test]
 fn no_stop_is_passed_in_stacks() {
-    run_all(cases(40), |random| {
-        let mut text = "[record]\nrate = 300.0\n[simulate]\nstart = \"given\"\nduration = 1.0\n".to_owned();
-        for level in 0..2 + random.below(5) {
-            let parent = if level == 0 { "ground".to_owned() } else { format!("m{}", level - 1) };
-            let (mass, height) = (random.between(0.1, 3.0), [0.0, 0.3, random.between(0.0, 0.5)][random.below(3)]);
-            let restitution = if random.below(3) == 0 { 0.0 } else { random.between(0.0, 0.9) };
-            let _ = write!(
-                text,
-                "[[body]]\nname = \"m{level}\"\nmass = {mass}\nhinge = {{ type = \"prismatic\", parent = \"{parent}\", \
-                 axis = [0, 0, 1], position = {height}, limits = {{ low = 0.0, restitution = {restitution} }} }}\n"
-            );
-        }
-        text
-    });
+    run_all(cases(40), |random| stack(random, false));
+}
+
+/// What falls together presses with nothing but round-off, and is not let go of again and again.
+#[test]
+fn no_stop_is_passed_in_sprung_stacks() {
+    run_all(cases(40), |random| stack(random, true));
+}
+
+#[test]
+fn what_rests_on_what_falls_is_let_go_of_once() {
+    // Mass, height and stiffness.
+    let levels = [
+        [17.651071250936596, 0.5284911451702028, 355.7494816843878],
+        [15.291610164689677, 0.7793396723977875, 941.4017942417763],
+        [3.2349779097997127, 0.4085780468959439, 15863.966301616168],
+        [1.3063923619449471, 0.7241634885127678, 66119.50739098094],
+        [28.913953687114184, 0.0, 1409.9855544846828],
+    ];
+    let mut text = "[record]\nrate = 50.0\n[simulate]\nstart = \"given\"\nduration = 0.51\n".to_owned();
+    for (level, [mass, height, stiffness]) in levels.iter().enumerate() {
+        let parent = if level == 0 { "ground".to_owned() } else { format!("m{}", level - 1) };
+        let _ = write!(
+            text,
+            "[[body]]\nname = \"m{level}\"\nmass = {mass:?}\nhinge = {{ type = \"prismatic\", parent = \"{parent}\", axis = \
+             [0, 0, 1], position = {height:?}, limits = {{ low = 0.0, restitution = 0.5 }}, stiffness = {stiffness:?}, damping = \
+             0.1 }}\n"
+        );
+    }
+    let (scenario, model) = read(&text);
+    let run = go_watched(&scenario, &model).unwrap_or_else(|error| panic!("{error}"));
+    check(0, &scenario, &model, &run);
+    assert!(run.0.events.len() < 2000, "{} events", run.0.events.len());
 }
 
 /// Balls let go at equal heights land in one blow, each as if it were alone.

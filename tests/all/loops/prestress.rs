@@ -98,6 +98,45 @@ fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
     assert!(frequencies > 10 && certified > 10);
 }
 
+/// Near a point where three rods meet there may be another way to assemble them, where they are independent and hold everything: no
+/// path leads there, and the motion of first order is held by prestress alone.
+#[test]
+fn another_way_to_assemble_bars_is_no_motion() {
+    let bars = [
+        ([-1.5286165271472443, -1.950826166611857], [-0.8682838144562738, -0.5538536907242276]),
+        ([-0.621015580656456, 0.5095135810642686], [-0.9881099276764057, -0.9628950277805284]),
+        ([-0.9122036603405539, -1.3704772121850426], [-0.9085241998541713, -0.9301110436622568]),
+    ];
+    let scene = |kind: &str| {
+        let mut text =
+            "[[body]]\nname = \"p\"\nmass = 2.75089539631866\ncenter = [-0.906047933653727, -1.432401250873115, 0]\n\
+             inertia = [0.2433638929747789, 0.2433638929747789, 0.2433638929747789]\n\
+             hinge = { type = \"planar\", rpy = [1.5707963267948966, 0, 0] }\n"
+                .to_owned();
+        for ([ax, az], [bx, bz]) in bars {
+            let length = f64::hypot(ax - bx, az - bz);
+            let _ = write!(
+                text,
+                "{kind}length = {length:?}\n\
+                 between = [{{ body = \"ground\", at = [{ax:?}, 0, {az:?}] }}, {{ body = \"p\", at = [{bx:?}, {bz:?}, 0] }}]\n"
+            );
+        }
+        text
+    };
+    let (_, model) = read(&scene("[[loop]]\ntype = \"rod\"\n"));
+    let rigid = statics(&model);
+    let first = |found: &Equilibrium| found.stability.as_ref().expect("an equilibrium").modes[0].frequency_hz;
+    let springs = [1e7, 1e8].map(|stiffness: f64| {
+        let text = scene(&format!("[[force]]\ntype = \"spring\"\nstiffness = {stiffness:?}\n"));
+        let scene = scenario::parse("scene.toml", &text, &[]).expect("a scene");
+        first(&statics(&Model::build(&scene.description).expect("a model")))
+    });
+    let limit = ((10.0 * springs[1].powi(2) - springs[0].powi(2)) / 9.0).sqrt();
+    assert!((limit / first(&rigid) - 1.0).abs() < 1e-5, "{} and {springs:?} Hz", first(&rigid));
+    assert!(rigid.notes.iter().any(|note| note.contains("of first order and none of second")), "{:?}", rigid.notes);
+    assert!(!rigid.notes.iter().any(|note| note.contains("singular")), "{:?}", rigid.notes);
+}
+
 /// Parallel bars of one length move on a circle: a finite motion, and an ordinary one.
 #[test]
 fn parallel_bars_of_one_length_swing() {
