@@ -218,6 +218,15 @@ const KNOWN: [&str; 49] = [
     "actuatorfrclimited",
 ];
 
+/// Those that do nothing in a free joint.
+const NOTHING_OF_FREE: [&str; 6] = ["axis", "pos", "range", "limited", "ref", "springref"];
+
+/// Whether an attribute would do something in this element.
+fn matters(key: &str, element: &Element<'_>) -> bool {
+    let is_free = element.name() == "freejoint" || element.name() == "joint" && element.text("type") == Some("free");
+    !(is_free && NOTHING_OF_FREE.contains(&key))
+}
+
 fn is_known(key: &str) -> bool {
     KNOWN.contains(&key) || TRANSMISSION.contains(&key)
 }
@@ -281,6 +290,7 @@ fn elements(root: &Element<'_>, in_default: bool, groups: &mut Groups) {
                 }
                 None => {
                     let near = element.log.near(attribute.key, KNOWN.into_iter().chain(TRANSMISSION));
+                    let near = near.filter(|near| matters(near, &element));
                     let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
                     let value = xml::cut(attribute.value);
                     let what = format!("`{} = \"{value}\"` is not known here{near}", attribute.key);
