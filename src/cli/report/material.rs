@@ -9,8 +9,10 @@ use crate::import::Taken;
 use crate::model::Model;
 use crate::record::gltf::Clip;
 use crate::record::view::Sink;
-use crate::record::{Energy, Event, Fanout, Footage, Memory, Opening, Outcome, OwnedSample, Recorder, Scene, Tubes};
-use crate::scenario::Scenario;
+use crate::record::{
+    Energy, Event, Fanout, Footage, Memory, Opening, Outcome, OwnedSample, Recorder, Recording, Scene, Tubes,
+};
+use crate::scenario::{self, Scenario};
 use crate::simulate::verify::verify;
 use crate::simulate::{self, RunError, Start, State};
 use crate::spatial::Wrench;
@@ -69,6 +71,14 @@ impl Material {
                 Ok(())
             })?;
         }
+        let clips = if is_run { modes_again(recording, &statics) } else { footage.clips()? };
+        if clips.is_empty() && statics["modes"].as_array().is_some_and(|modes| !modes.is_empty()) {
+            notes.push(
+                "the modes do not play: the recording does not hold all that they follow from; `stillpoint report` of the scenario shows \
+                 them"
+                    .to_owned(),
+            );
+        }
         if !recording.complete {
             notes.push(format!("the recording is {}: this is what was kept of it", recording.ending().name()));
         }
@@ -77,7 +87,7 @@ impl Material {
             scene: recording.scene.clone(),
             scenario: recording.scenario.clone(),
             version: recording.version.clone(),
-            clips: if is_run { Vec::new() } else { footage.clips()? },
+            clips,
             events: recording.events()?,
             statics,
             outcome,
@@ -234,6 +244,43 @@ impl Material {
             recorder.take_lost().iter().for_each(|lost| output::warning(&lost.to_string()));
         }
         Ok(())
+    }
+}
+
+/// How far the numbers of an equilibrium that is found again may be from those recorded, by another version of the program perhaps.
+const AGAIN: f64 = 1e-6;
+
+/// The modes of a run's start as motions, from the scenario that is recorded with it. None if that does not lead to the equilibrium
+/// recorded: what was set beside the scenario, and the files that it names, are not in a recording.
+fn modes_again(recording: &Recording, statics: &Value) -> Vec<Clip> {
+    let modes = || -> Option<Vec<Clip>> {
+        statics["modes"].as_array().filter(|modes| !modes.is_empty())?;
+        let mut scenario = scenario::parse("scenario.toml", &recording.scenario, &[]).ok()?;
+        let (mut model, _) = scenario.built.take()?;
+        let (found, wall) = statics::find(&mut scenario, &mut model).ok()?;
+        let (told, _) = statics::told(&scenario, &model, &found, wall).ok()?;
+        let same = |key: &str| is_near(&told[key], &statics[key]);
+        let is_it = found.balanced && same("positions") && same("bodies") && same("frequencies_hz");
+        is_it.then(|| poses::mode_clips(&model, &found))
+    };
+    modes().unwrap_or_default()
+}
+
+/// Whether two values differ by round-off at most.
+fn is_near(one: &Value, other: &Value) -> bool {
+    match (one, other) {
+        (Value::Object(one), Value::Object(other)) => {
+            one.len() == other.len()
+                && one.iter().all(|(key, one)| other.get(key).is_some_and(|other| is_near(one, other)))
+        }
+        (Value::Array(one), Value::Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| is_near(one, other))
+        }
+        (Value::Number(one), Value::Number(other)) => {
+            let [one, other] = [one, other].map(|number| number.as_f64().unwrap_or(f64::NAN));
+            (one - other).abs() <= AGAIN * (1.0 + one.abs())
+        }
+        (one, other) => one == other,
     }
 }
 

@@ -341,7 +341,12 @@ fn reports_say_the_verdict_and_stay_small() {
     // Of a recording the same, but for what only a scenario has.
     call(&["run", &wishbone, "--out", "run.mcap", "--quiet"]).code(0);
     call(&["report", "run.mcap", "-o", "b.html"]).code(0);
-    assert!(read(&bench, "b.html").contains("Stable equilibrium; simulated"));
+    let page = read(&bench, "b.html");
+    assert!(page.contains("Stable equilibrium; simulated") && !page.contains("modes do not play"));
+    // What was set beside the scenario is not recorded, and its modes are not those that the scenario leads to.
+    call(&["run", &wishbone, "--set", "gravity=[0, 0, -5]", "--out", "other.mcap", "--quiet"]).code(0);
+    call(&["report", "other.mcap", "-o", "other.html"]).code(0);
+    assert!(read(&bench, "other.html").contains("modes do not play"));
     // No equilibrium is said, and is the answer no.
     bench.write("brick.toml", super::BRICK);
     let answer = call(&["report", "brick.toml", "-o", "c.html", "--json"]).code(1).json();
@@ -363,10 +368,15 @@ fn shown(page: &Path) -> String {
 #[ignore = "needs chromium"]
 fn a_browser_without_a_network_draws_the_report() {
     let bench = Bench::new();
-    bench.call(&["report", &shipped("double_wishbone"), "-o", "page.html"]).code(0);
-    let page = shown(&bench.path().join("page.html"));
-    assert!(page.contains("data-shown=\"yes\""), "the script did not reach its end");
-    assert!(page.contains("<option value=\"1\">mode 1: 0.8294 Hz</option>"), "no modes to play");
+    let wishbone = shipped("double_wishbone");
+    bench.call(&["report", &wishbone, "-o", "page.html"]).code(0);
+    bench.call(&["run", &wishbone, "--out", "run.mcap", "--quiet"]).code(0);
+    bench.call(&["report", "run.mcap", "-o", "recorded.html"]).code(0);
+    for page in ["page.html", "recorded.html"] {
+        let page = shown(&bench.path().join(page));
+        assert!(page.contains("data-shown=\"yes\""), "the script did not reach its end");
+        assert!(page.contains("<option value=\"1\">mode 1: 0.8294 Hz</option>"), "no modes to play");
+    }
 }
 
 /// What `watch` prints of a scene that is saved once more.
