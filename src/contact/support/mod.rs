@@ -269,7 +269,7 @@ pub enum Undecided {
     /// Loads that are too small beside others to be judged with them.
     #[error(
         "the smallest load is {ratio:.1e} of the largest: what is lighter by more than 1e7 cannot be judged in the same scene; judge \
-         it in a scene of its own"
+         it in a scene of its own or, if it is what a hinge in its springs lacks to its balance, let the scene settle"
     )]
     Uneven {
         /// Smallest by largest.

@@ -41,9 +41,7 @@ impl Contacts {
         }
         for _ in 0..MOST_ROUNDS {
             let fits = self.fits(system, state, frames, size)?;
-            let largest = self.closed.iter().map(|closed| closed.force.amax()).fold(0.0, f64::max);
-            self.scale = if largest > 0.0 { largest } else { self.scale };
-            self.reserve.take();
+            self.compare();
             let within = self.reserve() >= -BEYOND;
             // Forces that are not unique may be within their cones though those of least norm are not.
             let is_held = within && less <= 0.0;

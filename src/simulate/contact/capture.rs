@@ -130,8 +130,8 @@ impl Capture {
         made.lost += first.lost;
         made.work += first.work;
         made.opposed += first.opposed;
-        let (raised, depth) = motion.raise(time + step, &mut made.position, &made.velocity)?;
-        made.lost -= raised;
+        // What that puts in comes from nowhere: it is left unaccounted for.
+        let depth = motion.raise(time + step, &mut made.position, &made.velocity)?;
         let Equations { contacts: Some(contacts), system, .. } = motion else {
             return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
         };
@@ -175,7 +175,8 @@ fn remember(motion: &mut Equations, tried: Tried, times: [f64; 2], next: impl Fn
     let slow = contacts.slow * 1e2 / contacts.model.length_scale();
     let still = scales.iter().zip(&made.velocity).all(|(scale, v)| v.abs() <= slow * span * scale);
     let memory = &mut contacts.memory;
-    memory.lost += made.lost;
+    // What contacts seem to put in is an error of the step, and unaccounted for.
+    memory.lost += made.lost.max(0.0);
     memory.work += made.work;
     memory.last = times;
     memory.steps += 1;

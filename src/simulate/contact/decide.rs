@@ -274,6 +274,7 @@ impl Contacts {
             }
             self.read(&touching, &frames, &found, size);
             let fits = self.fits(system, state, &frames, size)?;
+            self.compare();
             let (is_found, holds) = (found.change <= FOUND, fits.rises && self.reserve() >= -BEYOND);
             // Of the right states forces may be out of their cones by rounding.
             if holds && (fits.brakes || is_found || tried == SWEEPS.len()) || is_found && self.reserve() >= -SETTLED {
@@ -311,7 +312,6 @@ impl Contacts {
     fn read(&mut self, touching: &[Closed], frames: &[Frame], found: &Answer, size: f64) {
         let slips = slips(found) * size;
         self.closed.clear();
-        let mut springs = 0.0_f64;
         for (k, closed) in touching.iter().enumerate() {
             let (force, rate, mut closed) = (found.forces[k], found.rates[k], closed.clone());
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
@@ -330,13 +330,17 @@ impl Contacts {
                 }
             };
             let sprung = self.sprung(&closed, &frames[k]);
-            springs = springs.max(sprung);
             closed.force = frames[k].basis * (force + Vector3::x() * sprung);
             self.closed.push(closed);
         }
         self.begin_slips();
-        let largest = found.forces.iter().map(|f| f.amax()).fold(springs, f64::max);
+    }
+
+    /// Forces are compared with the largest of those that the rows give: sweeps that run off have others.
+    pub(super) fn compare(&mut self) {
+        let largest = self.closed.iter().map(|closed| closed.force.amax()).fold(0.0, f64::max);
         self.scale = if largest > 0.0 { largest } else { self.scale };
+        self.reserve.take();
     }
 
     /// Slips begin in the directions that have been found: straight on where all of a couple have one, nearly.

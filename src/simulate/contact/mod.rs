@@ -71,6 +71,8 @@ const BRIEF: f64 = 1e-2;
 /// As many of a crowd of closed contacts are one where there are more of them than this part of the accepted steps.
 const CROWD: usize = 12;
 const BUSY: f64 = 1.0 / 3.0;
+/// What pulls by less than this part of the largest force does so by rounding.
+const PULLS: f64 = 1e-9;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
@@ -352,8 +354,13 @@ impl Contacts {
     /// Couple, place and force of what bears in the last place, and whether it slips.
     fn each_push(&self, mut push: impl FnMut(usize, &Meeting, Vector3<f64>, bool)) {
         if !self.follows_steps() {
-            for one in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
-                push(one.key.couple, &one.meeting, one.force, matches!(one.state, ContactState::Slip(_)));
+            // Where forces are not unique those of least norm may pull at some point: told are some that do not.
+            let pulls = |one: &Closed| one.meeting.normal.dot(&one.force) < -PULLS * self.scale;
+            let others = if self.closed.iter().any(pulls) { self.best() } else { None };
+            let others = others.filter(|(slack, _)| *slack >= -PULLS).map(|(_, forces)| forces);
+            for (at, one) in self.closed.iter().enumerate().filter(|(_, closed)| closed.state != ContactState::Spare) {
+                let force = others.as_ref().map_or(one.force, |forces| forces[at]);
+                push(one.key.couple, &one.meeting, force, matches!(one.state, ContactState::Slip(_)));
             }
             return;
         }

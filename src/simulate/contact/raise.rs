@@ -30,16 +30,15 @@ const HALVINGS: usize = 6;
 const NEAR: f64 = 2.0;
 
 impl Equations {
-    /// Moves apart what has sunk at the end of a step; returns the energy that this puts in (J) and how deep anything still is, in
-    /// parts of its size.
+    /// Moves apart what has sunk at the end of a step; returns how deep anything still is, in parts of its size.
     ///
     /// # Errors
     /// A state that cannot be evaluated.
-    pub(super) fn raise(&mut self, time: f64, position: &mut [f64], velocity: &[f64]) -> Result<(f64, f64), Fault> {
+    pub(super) fn raise(&mut self, time: f64, position: &mut [f64], velocity: &[f64]) -> Result<f64, Fault> {
         self.part(time, position, velocity, [SHALLOW, RISES])
     }
 
-    /// Moves apart all that has sunk where a scene is put to rest; returns the energy that this puts in (J).
+    /// Moves apart all that has sunk where a scene is put to rest.
     ///
     /// # Errors
     /// A state that cannot be evaluated.
@@ -48,16 +47,13 @@ impl Equations {
         time: f64,
         position: &mut [f64],
         velocity: &[f64],
-    ) -> Result<f64, Fault> {
-        let mut put_in = 0.0;
+    ) -> Result<(), Fault> {
         for _ in 0..MOST_ROUNDS {
-            let (more, depth) = self.part(time, position, velocity, [NONE, 1.0])?;
-            put_in += more;
-            if depth <= NONE {
+            if self.part(time, position, velocity, [NONE, 1.0])? <= NONE {
                 break;
             }
         }
-        Ok(put_in)
+        Ok(())
     }
 
     fn part(
@@ -66,15 +62,13 @@ impl Equations {
         position: &mut [f64],
         velocity: &[f64],
         [shallow, rises]: [f64; 2],
-    ) -> Result<(f64, f64), Fault> {
-        let Self { contacts: Some(contacts), system, .. } = self else { return Ok((0.0, 0.0)) };
+    ) -> Result<f64, Fault> {
+        let Self { contacts: Some(contacts), system, .. } = self else { return Ok(0.0) };
         system.at(time, position, velocity);
         let depth = contacts.depth(system);
         if depth <= shallow {
-            return Ok((0.0, depth));
+            return Ok(depth);
         }
-        let energies = system.at(time, position, velocity).energies();
-        let before = energies.kinetic + energies.potential;
         let mut change = vec![0.0; velocity.len()];
         let mut mass = system.at_without_contact(time, position, velocity).into_accelerations(&mut change)?;
         let frames = contacts.sunk_ahead(mass.motion());
@@ -110,15 +104,15 @@ impl Equations {
                 let mut mass = system.at_without_contact(time, position, velocity).into_accelerations(&mut scratch)?;
                 hinges::within_limits(&mut mass, &mut parted);
             }
-            let energies = system.at(time, &parted, velocity).energies();
+            system.at(time, &parted, velocity);
             let now = contacts.depth(system);
             if now <= depth {
                 position.copy_from_slice(&parted);
-                return Ok((energies.kinetic + energies.potential - before, now));
+                return Ok(now);
             }
             change.iter_mut().for_each(|x| *x *= 0.5);
         }
-        Ok((0.0, depth))
+        Ok(depth)
     }
 }
 

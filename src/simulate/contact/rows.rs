@@ -288,10 +288,10 @@ impl Contacts {
 }
 
 impl Contacts {
-    /// The largest slack of forces with the accelerations of the last place, see [`slack`], in parts of the scale; `None` if
-    /// forces are unique or that is not known. Forces that meet the rows accelerate what slips by as much as theirs: how hard it is
+    /// The largest slack of forces with the accelerations of the last place, see [`slack`], in parts of the scale, and these forces of all closed
+    /// contacts (N, inertial axes); `None` if forces are unique or that is not known. Forces that meet the rows accelerate what slips by as much as theirs: how hard it is
     /// pressed is what brakes it.
-    pub(super) fn best(&self) -> Option<f64> {
+    pub(super) fn best(&self) -> Option<(f64, Vec<Vector3<f64>>)> {
         let rows = self.rows();
         let (matrix, rates) = &self.last;
         if self.independent.len() == rows.len() || matrix.nrows() != rows.len() {
@@ -334,7 +334,12 @@ impl Contacts {
                 ContactState::Slip(_) => cones.push(Cone::Ray),
             }
         }
-        slack(&equations, &right, &cones).map(|(slack, _)| slack)
+        let (slack, parts) = slack(&equations, &right, &cones)?;
+        let mut forces = vec![Vector3::zeros(); self.closed.len()];
+        for (row, part) in rows.iter().zip(parts) {
+            forces[row.of] += self.frames[row.of].basis * (row.pushes * (part * self.scale));
+        }
+        Some((slack, forces))
     }
 }
 

@@ -183,7 +183,7 @@ impl Contacts {
             if closed.state == ContactState::Stick { n.min(friction * n - across) } else { n }
         });
         let least = each.fold(f64::INFINITY, f64::min) / self.scale;
-        if least < 0.0 { self.best().map_or(least, |best| best.max(least)) } else { least }
+        if least < 0.0 { self.best().map_or(least, |(best, _)| best.max(least)) } else { least }
     }
 
     /// The largest slip of what sticks and is moved along by what friction cannot hold up, as a drive: rows that depend on others are

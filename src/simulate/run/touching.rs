@@ -186,7 +186,7 @@ impl Run<'_, '_> {
         if contacts.is_still() {
             self.state.velocity.fill(0.0);
             let raised = motion.raise_to_rest(time, &mut self.state.position, &self.state.velocity);
-            self.ledger.lose(-raised.map_err(|fault| RunError::Sample { time, fault })?);
+            raised.map_err(|fault| RunError::Sample { time, fault })?;
             if let Some(contacts) = &mut motion.contacts {
                 contacts.freeze();
             }
