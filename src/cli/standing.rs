@@ -4,6 +4,7 @@ use super::number::{count, number};
 use super::output::{bare, verdict};
 use crate::contact::support::Verdict;
 use crate::model::Model;
+use crate::model::problem::significant;
 use crate::statics::standing::{Giving, Interval, Mechanism, StandingReport};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
@@ -95,6 +96,16 @@ fn mechanism(mechanism: &Mechanism) -> Value {
     })
 }
 
+/// To a hundredth.
+fn percent(part: f64) -> String {
+    number((1e4 * part).round() / 100.0)
+}
+
+/// As [`percent`]; a part below that is no zero.
+fn lack(part: f64) -> String {
+    if part < 1e-4 { significant(100.0 * part, 2) } else { percent(part) }
+}
+
 /// The lines of a report.
 pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
     let mut out = String::new();
@@ -115,7 +126,6 @@ pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
         0 => String::new(),
         n => format!(" ({})", count(n, "self-stress", "self-stresses")),
     };
-    let percent = |part: f64| number((1e4 * part).round() / 100.0);
     let said = verdict(standing.verdict.name(), standing.verdict == Verdict::Stands);
     let _ = match standing.verdict {
         Verdict::Stands => {
@@ -126,7 +136,7 @@ pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
             "  {said}       {on}{stresses}: it stands only if it has been squeezed, with at least {} N",
             number(standing.squeeze.unwrap_or(0.0))
         ),
-        Verdict::Falls => writeln!(out, "  {said}        supports lack {} % of the loads", percent(-standing.slack)),
+        Verdict::Falls => writeln!(out, "  {said}        supports lack {} % of the loads", lack(-standing.slack)),
     };
     let gives = standing.mechanism.as_ref().map(ToString::to_string).unwrap_or_default();
     let _ = match (standing.verdict, standing.friction_margin) {

@@ -186,3 +186,33 @@ fn what_stands_does_not_settle() {
     let found = found.unwrap();
     assert!(found.converged && found.position == model.start_position && found.stage == "given");
 }
+
+/// An arm on a spring settles on what stands: what its hinge lacks in the end is round-off of what cancels there, and no light load that is
+/// refused beside heavy ones. The angle is that at which spring and weight balance.
+#[test]
+fn an_arm_on_a_spring_settles_on_a_foot() {
+    let mut random = Random::new(0xa3);
+    for case in 0..12 {
+        let (stiffness, length) = (random.between(500.0, 5000.0), random.between(0.05, 0.1));
+        let (mass, start) = (random.between(0.05, 0.5), random.between(-0.2, 0.3));
+        let text = format!(
+            "[[body]]\nname = \"table\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"foot\"\ndensity = \
+             7800.0\nshape = {{ box = [0.2, 0.2, 0.02], at = [0, 0, 0.01] }}\nhinge = {{ type = \"free\" }}\n[[body]]\nname = \"arm\"\nmass = \
+             {mass:?}\ninertia = [2e-3, 2e-3, 1e-5]\ncenter = [0, 0, 0.19]\nhinge = {{ type = \"revolute\", parent = \"foot\", at = [0, 0, 0.02], axis \
+             = [0, 1, 0], position = {start:?} }}\n[[force]]\ntype = \"spring\"\nbetween = [{{ body = \"foot\", at = [-0.03, 0, 0.06] }}, {{ body = \
+             \"arm\", at = [0, 0, 0.12] }}]\nstiffness = {stiffness:?}\nlength = {length:?}\n[[contact]]\nbetween = [\"foot\", \"table\"]\nfriction = \
+             0.4\n"
+        );
+        let (_, found) = settled(&text);
+        let found = found.unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(found.converged, "case {case}: {:?}\n{text}", found.notes);
+        // The moment about the hinge (N m) of spring and weight.
+        let angle = *found.position.last().unwrap();
+        let eye = Vector3::new(0.12 * angle.sin(), 0.0, 0.12 * angle.cos());
+        let off = Vector3::new(-0.03, 0.0, 0.04) - eye;
+        let tension = stiffness * (off.norm() - length);
+        let spring = eye.cross(&(off.normalize() * tension)).y;
+        let weight = mass * 9.80665 * 0.19 * angle.sin();
+        assert!((spring + weight).abs() < 1e-10 * (1.0 + tension.abs()), "case {case}: {spring} {weight}");
+    }
+}

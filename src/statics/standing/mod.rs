@@ -119,7 +119,13 @@ pub(super) fn equilibrium(
         }
     }
     if given.verdict == Verdict::Stands || !model.contacts.is_empty() {
-        let found = certificate::certificate(description, model, settings, pose, &given)?;
+        let mut found = certificate::certificate(description, model, settings, pose, &given)?;
+        if given.verdict == Verdict::Falls {
+            found.notes.push(
+                "it is judged where it is given: `[statics] contact = \"settle\"` looks for where it comes to stand"
+                    .to_owned(),
+            );
+        }
         return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
     }
     let mut found = search()?;
@@ -145,6 +151,33 @@ fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Re
     Ok(settle::settle(&held, settings, pose, go_on)?.pose)
 }
 
+/// What no support pushes is balanced to this part of the scene's length at least where a search has settled.
+const NEAR: f64 = 1e-6;
+
+/// A pose where a scene has settled, with coordinates that no support pushes at their balance to the last digit, all others held: what these
+/// lack is no load that others could bear.
+fn balanced(
+    model: &Arc<Model>,
+    settings: &Settings,
+    pose: Vec<f64>,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Vec<f64>, Unanswered> {
+    let scene = match Scene::new(model, &pose, settings.gap) {
+        Ok(scene) => scene,
+        // It is told where the pose is judged.
+        Err(_) => return Ok(pose),
+    };
+    let pushed = Bearers::new(model, &pose, &scene)?.pushed;
+    if pushed.iter().all(|pushed| *pushed) {
+        return Ok(pose);
+    }
+    let held = Arc::clone(model).locking((0..pushed.len()).filter(|i| pushed[*i]));
+    let observers = Observers { go_on: Some(go_on), ..Observers::default() };
+    let found = equilibrium_observed(&held, settings, &pose, observers)?;
+    let (moved, _) = settle::way(model, &pose, &found.position);
+    Ok(if found.balanced && moved <= NEAR * model.length_scale() { found.position } else { pose })
+}
+
 /// Where a scene settles from its start position, as one that stands.
 fn settled(
     description: &Description,
@@ -153,7 +186,8 @@ fn settled(
     asked: &Margin,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, Unanswered> {
-    let end = settle::settle(model, settings, &model.start_position, go_on)?;
+    let mut end = settle::settle(model, settings, &model.start_position, go_on)?;
+    end.pose = balanced(model, settings, end.pose, go_on)?;
     let there = standing(description, model, settings, asked, &end.pose).map_err(|why| match why {
         Unanswered::Untouchable(Untouchable::Overlap { between: [one, other], depth, allowed, .. }) => {
             Unanswered::Unsettled(format!(

@@ -132,7 +132,7 @@ pub(super) fn settle(
 }
 
 /// The largest distance between the origins of a body in two poses, and of which body.
-fn way(model: &Model, from: &[f64], to: &[f64]) -> (f64, usize) {
+pub(super) fn way(model: &Model, from: &[f64], to: &[f64]) -> (f64, usize) {
     let rest = vec![0.0; model.velocity_count()];
     let (mut before, mut after) = (Motion::new(model), Motion::new(model));
     before.update(model, from, &rest);

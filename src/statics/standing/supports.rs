@@ -38,13 +38,17 @@ pub(super) struct Bearers {
     pub(super) list: Vec<Bears>,
     /// `f(q)` (N, N m).
     pub(super) load: Vec<f64>,
+    /// Velocity coordinates that supports push.
+    pub(super) pushed: Vec<bool>,
 }
 
 impl Bearers {
     pub(super) fn new(model: &Arc<Model>, pose: &[f64], scene: &Scene) -> Result<Self, Fault> {
         let length = model.length_scale();
         let units: Vec<f64> = units(model);
-        let mut bearers = Self { supports: Supports::new(units.clone()), list: Vec::new(), load: borne(model, pose)? };
+        let pushed = vec![false; model.velocity_count()];
+        let (supports, list) = (Supports::new(units.clone()), Vec::new());
+        let mut bearers = Self { supports, list, load: borne(model, pose)?, pushed };
         for (k, contact) in scene.contacts.iter().enumerate() {
             let ends = contact.bodies.map(|body| model.bodies[body].link);
             let column = |along: &Vector3<f64>| column_of(model, &scene.motion, ends, &contact.point, along);
@@ -129,6 +133,7 @@ impl Bearers {
 
     fn add(&mut self, bears: Bears, cone: Cone, lever: f64, columns: Vec<Vec<(usize, f64)>>) {
         self.list.push(bears);
+        columns.iter().flatten().filter(|(_, entry)| *entry != 0.0).for_each(|(row, _)| self.pushed[*row] = true);
         self.supports.add(cone, lever, columns);
     }
 }
