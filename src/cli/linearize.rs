@@ -10,7 +10,7 @@ use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
 use crate::model::motor::MotorLawDescription;
 use crate::model::{Description, Model, StopLaw};
 use crate::simulate::State;
-use crate::statics::Equilibrium;
+use crate::statics::{Equilibrium, idle_stops};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
@@ -64,10 +64,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     arguments.out.iter().chain(&arguments.bode).try_for_each(|written| read.spare(written))?;
     let format = arguments.out.as_deref().map(files::Format::of).transpose()?;
-    let place = match arguments.start {
+    let (place, idle) = match arguments.start {
         Some(_) => {
             let (position, velocity) = (model.start_position.clone(), model.start_velocity.clone());
-            of_state(scenario.simulate.begin(), State { position, velocity })
+            (of_state(scenario.simulate.begin(), State { position, velocity }), Vec::new())
         }
         None => {
             let (found, _) = statics::find(&mut scenario, &mut model)?;
@@ -76,21 +76,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                 output::error(&anyhow!("{}: there is no equilibrium to linearize about{why}", scenario.name));
                 return Ok(Exit::No);
             }
-            of_equilibrium(&model, &found)
+            (of_equilibrium(&model, &found), idle_stops(&model, &found))
         }
     };
-    let inputs = inputs(&arguments.input, &scenario.description, &model)?;
-    let found = about(&model, &place, &inputs, &arguments.output).with_context(|| scenario.name.clone())?;
-    if !found.left_out.is_empty() && !common.quiet {
-        let list = found.left_out.join("`, `");
-        output::note(&format!("left out: `{list}`: how they vary is not known, or they are inputs themselves"));
-    }
-    let smooth = model.hinge_friction.is_empty() && model.contacts.is_empty();
-    if !smooth && !common.quiet {
-        output::note("dry friction and contact are left out of the equations: they are those of the smooth scene");
-    }
-    if !model.controllers.is_empty() && !common.quiet {
-        output::note("controllers are left out of the equations: they are those from the inputs");
+    let found = about(&scenario.description, &model, (&place, &idle), &arguments.input, &arguments.output)
+        .with_context(|| scenario.name.clone())?;
+    if !common.quiet {
+        found.notes.iter().for_each(|note| output::note(note));
     }
     // What cannot be drawn is refused before anything is written.
     let title = if model.title.is_empty() { &scenario.name } else { &model.title };
@@ -122,7 +114,7 @@ pub(super) fn about_equilibrium(
     input: &[String],
     output: &[String],
 ) -> anyhow::Result<StateSpace> {
-    about(model, &of_equilibrium(model, found), &inputs(input, description, model)?, output)
+    about(description, model, (&of_equilibrium(model, found), &idle_stops(model, found)), input, output)
 }
 
 /// These equations about a state as it stands, at a time (s).
@@ -136,14 +128,21 @@ pub(super) fn about_state(
     input: &[String],
     output: &[String],
 ) -> anyhow::Result<StateSpace> {
-    about(model, &of_state(time, state), &inputs(input, description, model)?, output)
+    about(description, model, (&of_state(time, state), &[]), input, output)
 }
 
 fn of_state(time: f64, State { position, velocity }: State) -> Place {
     Place { time, position, velocity, multipliers: None, held: Vec::new(), pressed: Vec::new() }
 }
 
-fn about(model: &Arc<Model>, place: &Place, inputs: &[Input], output: &[String]) -> anyhow::Result<StateSpace> {
+/// The equations about a place, at which stops of these hinges touch and bear next to nothing.
+fn about(
+    description: &Description,
+    model: &Arc<Model>,
+    (place, idle): (&Place, &[String]),
+    input: &[String],
+    output: &[String],
+) -> anyhow::Result<StateSpace> {
     for name in output {
         if !model.outputs.iter().any(|output| output.name == *name) {
             let known = model.outputs.iter().map(|output| output.name.as_str());
@@ -152,7 +151,36 @@ fn about(model: &Arc<Model>, place: &Place, inputs: &[Input], output: &[String])
         }
     }
     let asked = (!output.is_empty()).then_some(output);
-    Ok(linear::linearize(model, place, inputs, asked)?)
+    let mut found = linear::linearize(model, place, &inputs(input, description, model)?, asked)?;
+    if let Some(name) = found.idle.first().filter(|_| !input.is_empty()) {
+        bail!(
+            "nothing feels the input `{name}`: at this place it pushes what is locked, held by a stop or a drive, or across all \
+             motions that there are"
+        );
+    }
+    let mut notes = Vec::new();
+    if !found.idle.is_empty() {
+        notes.push(format!("nothing feels the inputs `{}` at this place", found.idle.join("`, `")));
+    }
+    if !found.left_out.is_empty() {
+        let list = found.left_out.join("`, `");
+        notes.push(format!("left out: `{list}`: how they vary is not known, or they are inputs themselves"));
+    }
+    for hinge in idle {
+        notes.push(format!(
+            "the stop of {hinge} touches and bears next to nothing: the equations are those of one side"
+        ));
+    }
+    if !(model.hinge_friction.is_empty() && model.contacts.is_empty()) {
+        notes.push(
+            "dry friction and contact are left out of the equations: they are those of the smooth scene".to_owned(),
+        );
+    }
+    if !model.controllers.is_empty() {
+        notes.push("controllers are left out of the equations: they are those from the inputs".to_owned());
+    }
+    found.notes.extend(notes);
+    Ok(found)
 }
 
 /// What is held and what gives way at an equilibrium.
@@ -221,6 +249,7 @@ fn answer(model: &Model, place: &Place, found: &StateSpace, step: Option<f64>) -
         "eigenvalues": found.eigenvalues(),
         "dependent": found.dependent,
         "left_out": found.left_out,
+        "notes": found.notes,
         "about": {
             "equilibrium": place.multipliers.is_some(),
             "time": place.time,

@@ -16,6 +16,7 @@
 mod basis;
 mod discrete;
 mod inputs;
+mod kinks;
 
 pub use discrete::hold;
 pub use inputs::{Input, Unfit};
@@ -77,6 +78,10 @@ pub struct StateSpace {
     pub dependent: Vec<String>,
     /// Outputs that were not asked for by name and whose variation is not known.
     pub left_out: Vec<String>,
+    /// Inputs that push no motion at this place: their columns of `b` are zero.
+    pub idle: Vec<String>,
+    /// What a person should know of the place.
+    pub notes: Vec<String>,
 }
 
 /// The most degrees of freedom of a tree whose equations are made: they are dense.
@@ -150,6 +155,8 @@ pub fn linearize(
     let mut linear = at.linearize(&a)?;
     press(model, place, &mut linear);
     let basis = Basis::new(model, &rows, &place.held, inputs);
+    let idle = inputs.iter().filter(|input| pushes_nothing(model, place, &basis, input));
+    let idle: Vec<String> = idle.map(|input| input.name().to_owned()).collect();
     let mut motion = StateMatrices::new(model, place, &linear, &basis, inputs)?;
     if place.multipliers.is_none() && tied {
         // Rows that turn while the scene accelerates: by the Jacobian of the accelerations that they allow.
@@ -157,6 +164,14 @@ pub fn linearize(
         motion.accelerating(&basis, &by_position);
     }
     let told = tell(&mut system, place, &a, &basis, &motion, inputs, outputs)?;
+    let mut notes = Vec::new();
+    let felt = kinks::kinks(&mut system, place, &a, &basis, &linear)?;
+    if !felt.is_empty() {
+        notes.push(format!(
+            "forces have a kink here, which {} feel: a spring, rope, damper or motor is at a switch; the equations are those of one side",
+            listed(&felt)
+        ));
+    }
     let signal = |name: String, unit: &str| Signal { name, unit: unit.to_owned() };
     let (positions, rates) = (basis.states(model), basis.rates(model));
     Ok(StateSpace {
@@ -169,6 +184,34 @@ pub fn linearize(
         outputs: told.outputs,
         dependent: basis.dependent.iter().map(|at| basis::label(model, *at)).collect(),
         left_out: told.left_out,
+        idle,
+        notes,
+    })
+}
+
+/// Names that are told, the others counted.
+fn listed(names: &[String]) -> String {
+    const MOST: usize = 4;
+    let told = names.iter().take(MOST).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => told,
+        more => format!("{told} and {more} more"),
+    }
+}
+
+/// What a motion feels of a unit input, in parts of what it could feel of it: below, it is round-off.
+const FELT: f64 = 1e-12;
+
+/// Whether an input does no work along any motion.
+fn pushes_nothing(model: &Model, place: &Place, basis: &Basis, input: &Input) -> bool {
+    if input.drive().is_some() {
+        return false;
+    }
+    let push = push(model, place, input);
+    (0..basis.independent.len()).all(|k| {
+        let work = |i: usize| basis.columns[(i, k)] * push[i];
+        let (sum, size) = (0..push.len()).map(work).fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()));
+        sum.abs() <= FELT * size
     })
 }
 

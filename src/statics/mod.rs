@@ -39,5 +39,5 @@ pub use effort::{Iteration, Stage};
 pub use inverse::{InverseAnswer, hold};
 pub use outputs::{beams, diagrams, outputs};
 pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
-pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
+pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, idle_stops, influences, sensitivities};
 pub use settings::{Aim, Method, Settings, Sought, Want};

@@ -479,3 +479,71 @@ fn too_many_curves_leave_no_file_behind() {
     assert!(answer.status.code() == Some(2) && said.contains("24 curves at most, and these are 25"), "{said}");
     assert!(!folder.path().join("x.json").exists() && !folder.path().join("x.svg").exists());
 }
+
+/// What `linearize` says of a scene: exit code, answer, and what it notes.
+fn told(text: &str, arguments: &[&str]) -> (Option<i32>, Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), text).unwrap();
+    let answer = Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+        .current_dir(folder.path())
+        .args(["linearize", "scene.toml", "--json"])
+        .args(arguments)
+        .output()
+        .unwrap();
+    let value = serde_json::from_slice(&answer.stdout).unwrap_or_default();
+    (answer.status.code(), value, String::from_utf8(answer.stderr).unwrap())
+}
+
+const PENDULUM: &str = "[[body]]\nname = \"a\"\nmass = 1.0\ncenter = [0, 0, -1]\ninertia = [0.1, 0.1, 0.1]\nmarkers = { t = [0, 0, -1] }\n\
+                        hinge = { type = \"revolute\", axis = [0, 1, 0], HINGE }\n";
+
+/// An input that is asked for and that nothing feels is an error; of those that are taken without being asked for it is noted.
+#[test]
+fn inputs_that_nothing_feels_are_told() {
+    let free = PENDULUM.replace(", HINGE", "");
+    let locked = "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+                  hinge = { type = \"revolute\", axis = [0, 1, 0], lock = true }\n\
+                  [[motor]]\nname = \"u\"\ntype = \"input\"\nhinge = \"b\"\n";
+    let (code, _, said) = told(&format!("{free}{locked}"), &["--input", "u"]);
+    assert!(code == Some(2) && said.contains("nothing feels the input `u`"), "{said}");
+    let (code, found, _) = told(&format!("{free}{locked}"), &[]);
+    let notes = found["notes"].to_string();
+    assert!(code == Some(0) && notes.contains("nothing feels the inputs `u`"), "{notes}");
+    // Across the only motion there is.
+    let load = "[[force]]\nname = \"l\"\ntype = \"load\"\non = \"a.t\"\nforce = [0, 1, 0]\n";
+    let (code, _, said) = told(&format!("{free}{load}"), &["--input", "l.force[1]"]);
+    assert!(code == Some(2) && said.contains("nothing feels the input `l.force[1]`"), "{said}");
+    assert_eq!(told(&format!("{free}{load}"), &["--input", "l.force[0]"]).0, Some(0));
+}
+
+/// Where forces have a kink the equations are those of one side, and say so; next to it, and where forces are smooth, they do not.
+#[test]
+fn a_kink_is_told() {
+    let free = PENDULUM.replace(", HINGE", "");
+    let rope = |length: f64| {
+        format!(
+            "{free}[[force]]\ntype = \"rope\"\nthrough = [\"a.t\", {{ body = \"ground\", at = [1, 0, -1] }}]\nstiffness = 100.0\nlength = \
+             {length}\n"
+        )
+    };
+    let damper =
+        PENDULUM.replace("HINGE", "damper = { curve = [[-1, -1], [0, 0], [1, SLOPE]], interpolation = \"linear\" }");
+    let spring = PENDULUM.replace("HINGE", "stiffness = 1e7");
+    for (text, kinks) in [
+        (rope(1.0), true),
+        (rope(1.001), false),
+        (rope(0.9), false),
+        (damper.replace("SLOPE", "3"), true),
+        (damper.replace("SLOPE", "1"), false),
+        (free.clone(), false),
+        (spring, false),
+    ] {
+        let (code, found, said) = told(&text, &[]);
+        assert_eq!(code, Some(0), "{said}");
+        let notes = found["notes"].to_string();
+        assert_eq!(notes.contains("forces have a kink here, which `a."), kinks, "{text}\n{notes}");
+    }
+    let stopped = PENDULUM.replace("HINGE", "limits = [0.0, 1.0]");
+    let (_, found, _) = told(&stopped, &[]);
+    assert!(found["notes"].to_string().contains("touches and bears next to nothing"), "{found}");
+}

@@ -456,6 +456,20 @@ impl<'a> Study<'a> {
     }
 }
 
+/// Stops of an equilibrium that touch and bear next to nothing: how it answers to a push is another one on their other side.
+pub fn idle_stops(model: &Model, found: &Equilibrium) -> Vec<String> {
+    let largest = found.reactions.iter().map(|wrench| wrench.force.norm()).fold(0.0, f64::max);
+    let touched = bearing::touching(model, &found.position);
+    let idle = |(index, stop): (usize, &crate::model::Stop)| {
+        let hinge = model.label(stop.velocity);
+        let load = found.stops.iter().find(|one| one.hinge == hinge).map_or(0.0, |one| one.load);
+        let lever = model.length_scale() / bearing::unit(model, stop.velocity);
+        let bears = load > LIFTS * largest * lever;
+        (touched[index].is_some() && !bears).then_some(hinge)
+    };
+    model.stops.iter().enumerate().filter_map(idle).collect()
+}
+
 /// Stops that touch without a push: on their other side derivatives are others.
 fn one_sided(model: &Model, found: &Equilibrium, set: &Set, largest: f64) -> Vec<String> {
     let touched = bearing::touching(model, &found.position);
