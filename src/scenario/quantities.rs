@@ -11,7 +11,7 @@ pub(super) use parameters::{PARAMETERS, Parameters};
 
 use super::fields::{Key, Kind};
 use super::findings::{Finding, Findings};
-use super::format::{BUSHING_VALUES, FRICTION, SCENARIO};
+use super::format::{BUSHING_VALUES, CURVE_VALUES, FORCE, FRICTION, HINGE_CURVE, SCENARIO};
 use super::naming::{Element, written};
 use crate::formula::{Formula, FormulaError};
 use crate::hinge::{HingeKind, Names};
@@ -231,6 +231,19 @@ struct Pass<'p> {
     numbers: Numbers,
 }
 
+/// The unit of the first number of a point of a curve, whose key has that of the second.
+fn abscissa(place: &Place<'_>, at: &[usize]) -> Option<&'static str> {
+    let [_, 0] = at else { return None };
+    match (place.element.table.name, place.key.name) {
+        (name, "force") if name == FORCE.name => Some("m"),
+        (name, "extension") if name == CURVE_VALUES.name => Some("m"),
+        (name, "rate") if name == CURVE_VALUES.name => Some("m/s"),
+        (name, "curve") if name == HINGE_CURVE.name && place.outer == Some("damper") => Some("m/s or rad/s"),
+        (name, "curve") if name == HINGE_CURVE.name => Some("m or rad"),
+        _ => None,
+    }
+}
+
 /// Where a number stands.
 struct Place<'p> {
     element: &'p Element<'p>,
@@ -332,7 +345,7 @@ impl Pass<'_> {
         let outer = place.element.within.filter(|_| place.element.table.name == FRICTION.name);
         let (unit, at) = match outer.and_then(|outer| outer.table.declarations(place.outer?).next()) {
             Some(key) => (key.unit, place.element.index.as_slice()),
-            None => (place.key.unit, at),
+            None => (abscissa(place, at).unwrap_or(place.key.unit), at),
         };
         let all: Vec<&'static str> = unit.split(" or ").filter(|unit| !unit.is_empty()).collect();
         if let [both] = all[..]

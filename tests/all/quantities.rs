@@ -170,7 +170,7 @@ hinge = { type = "revolute", axis = [0, 1, 0], position = "45 deg", velocity = "
 name = "nut"
 mass = 1
 inertia = [1, 1, 1]
-hinge = { type = "cylindrical", axis = [0, 0, 1], at = ["1 m", 0, 0], position = ["30 mm", "30 deg"], damping = ["1 N s/mm", "2 Nm s/rad"], limits = { coordinate = 1, low = "-1 rev", high = "1 rev" } }
+hinge = { type = "cylindrical", axis = [0, 0, 1], at = ["1 m", 0, 0], position = ["30 mm", "30 deg"], damping = ["1 N s/mm", "2 Nm s/rad"], spring = { curve = [["-30 mm", "-5 N"], ["3 cm", "5 N"]] }, damper = [{ coordinate = 1, curve = [["-60 rpm", "-1 N m"], [0, 0], ["2 rev/s", "2 N m"]] }], limits = { coordinate = 1, low = "-1 rev", high = "1 rev" } }
 [[body]]
 name = "link"
 repeat = 2
@@ -182,6 +182,16 @@ type = "bushing"
 between = ["arm", "ground"]
 stiffness = [1, 2, "3 N/mm", 4, 5, "6 N m/rad"]
 damping = { translation = "1 N s/mm", rotation = [1, 2, "3 N m s/rad"] }
+[[force]]
+type = "curve"
+between = ["arm.tip", "nut"]
+length = "1 m"
+force = { extension = [["-1 cm", "-2 N"], [0, 0], ["10 mm", "1 kN"]], rate = [["-1 km/h", "-3 N"], [0, 0], ["2 m/s", "4 N"]] }
+[[force]]
+type = "curve"
+between = ["arm", "link[1]"]
+length = "40 cm"
+force = [["-10 mm", "-5 N"], ["1 cm", "5 N"]]
 [[drive]]
 hinge = "link[1]"
 type = "sine"
@@ -239,7 +249,7 @@ fn wrong_dimensions_are_refused_everywhere() {
         .map(|((start, _), (end, _))| (start + 1, &SCENE[start + 1..end]))
         .filter(|(_, text)| Quantity::parse(text).is_ok_and(|quantity| quantity.unit_start < text.len()))
         .collect();
-    assert!(quantities.len() > 35, "{}", quantities.len());
+    assert!(quantities.len() > 50, "{}", quantities.len());
     for (at, text) in quantities {
         let dimension = Quantity::parse(text).expect(text).dimension;
         for wrong in ["m", "rad", "kg", "s", "N m", "N/m", "rad/s", "m/s"] {

@@ -89,6 +89,13 @@ impl Compiler<'_> {
                 self.add(index, "name", "an output's name is empty".to_owned(), "");
             } else if name == "t" {
                 self.add(index, "name", "an output cannot be called `t`".to_owned(), "in formulas that is the time");
+            } else if name == "time" {
+                self.add(
+                    index,
+                    "name",
+                    "an output cannot be called `time`".to_owned(),
+                    "tables have a column of that name",
+                );
             } else if !seen.insert(name) {
                 self.add(index, "name", format!("two outputs are called `{name}`"), "names must be unique");
             }

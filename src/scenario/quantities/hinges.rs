@@ -2,7 +2,7 @@
 
 use super::super::fields::Table;
 use super::super::findings::Findings;
-use super::super::format::{DRIVE, EVENT, GEAR, HINGE, LIMIT, MOTOR};
+use super::super::format::{DRIVE, EVENT, GEAR, HINGE, HINGE_CURVE, LIMIT, MOTOR};
 use super::super::hinge::kind;
 use super::super::reader::{Reader, number};
 use crate::hinge::HingeKind;
@@ -46,6 +46,9 @@ impl Hinges {
         }
         if is(&LIMIT) {
             return outer?.get(index(table)).map(|motion| vec![*motion]);
+        }
+        if is(&HINGE_CURVE) {
+            return of_velocities(outer?).get(index(table)).map(|motion| vec![*motion]);
         }
         if !(is(&DRIVE) || is(&MOTOR) || is(&EVENT) || is(&GEAR)) {
             return outer.map(<[Motion]>::to_vec);

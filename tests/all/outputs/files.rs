@@ -69,6 +69,7 @@ fn mistakes_are_told_with_a_hint() {
         ("name = \"x\"\ntype = \"section\"\nof = \"arm\"", "`s` is missing", "s = 0.5"),
         ("name = \"x\"\ntype = \"section\"\nof = \"arm\"\ns = 0.1", "no beam or cable is called `arm`", ""),
         ("name = \"t\"\ntype = \"orientation\"\nof = \"arm\"", "cannot be called `t`", "the time"),
+        ("name = \"time\"\ntype = \"orientation\"\nof = \"arm\"", "cannot be called `time`", "a column of that name"),
         ("type = \"orientation\"\nof = \"arm\"", "`name` is missing", "camber"),
     ];
     for (output, message, hint) in cases {
