@@ -62,7 +62,13 @@ impl Controller {
             Python::attach(|py| {
                 let answer =
                     outputs(py, model, sensed.outputs).and_then(|all| self.function.bind(py).call1((sensed.time, all)));
-                answer.and_then(|answer| set(model, &answer, inputs)).map_err(|error| failed.note(error))
+                let set = answer.and_then(|answer| {
+                    set(model, &answer, inputs).map_err(|error| {
+                        let at = format!("at t = {} s: {}", sensed.time, error.value(py));
+                        PyErr::from_type(error.get_type(py), at)
+                    })
+                });
+                set.map_err(|error| failed.note(error))
             })
         }
     }

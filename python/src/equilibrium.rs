@@ -4,7 +4,7 @@ use crate::control::Controller;
 use crate::interrupt::Interrupt;
 use crate::linear::Linear;
 use crate::run::{Asked, Run, run};
-use crate::scene::{Scene, by_hinge, frozen};
+use crate::scene::{Names, Scene, by_hinge, frozen};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
@@ -204,22 +204,18 @@ impl Equilibrium {
     /// The equations about the equilibrium, `ẋ = A x + B u`, `y = C x + D u`: from inputs by their addresses (all motors of type `input`
     /// unless others are named) to outputs by name (all).
     #[pyo3(signature = (inputs = None, outputs = None))]
-    pub(crate) fn linearize(&self, inputs: Option<Vec<String>>, outputs: Option<Vec<String>>) -> PyResult<Linear> {
-        let held = &self.held;
+    pub(crate) fn linearize(&self, inputs: Option<Names>, outputs: Option<Names>) -> PyResult<Linear> {
+        let (held, inputs, outputs) = (&self.held, inputs.map(Names::all), outputs.map(Names::all));
         let linear = stillpoint::cli::linearize_about(&held.description, &held.model, &held.found, inputs, outputs);
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
     }
 
     /// How an output (`"camber"`, `"tip[2]"`, `"frequency[0]"`) answers to the numbers of the scene, or to those of some addresses:
-    /// derivatives by address, `None` where there is none. Of an output with several numbers a list of them.
+    /// derivatives by address, `None` where there is none; `notes` says why, and as long as what they hold. Of an output with several
+    /// numbers a list of them.
     #[pyo3(signature = (output, addresses = None))]
-    fn sensitivity<'py>(
-        &self,
-        py: Python<'py>,
-        output: &str,
-        addresses: Option<Vec<String>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let held = &self.held;
+    fn sensitivity<'py>(&self, py: Python<'py>, output: &str, addresses: Option<Names>) -> PyResult<Bound<'py, PyAny>> {
+        let (held, addresses) = (&self.held, addresses.map(Names::all));
         let mut numbers = Vec::new();
         for address in addresses.iter().flatten() {
             let found = Parameter::find(&held.description, address).map_err(|unknown| {
@@ -248,7 +244,7 @@ impl Equilibrium {
                 }
             }
         }
-        Ok(all)
+        py.import("stillpoint._table")?.call_method1("Sensitivities", (all, table.notes))
     }
 
     /// A run from here: what is in equilibrium stays. A controller as in `Scene.run`.

@@ -266,8 +266,11 @@ impl Run {
 
     /// Reached time (s).
     #[getter]
-    fn end_time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.told(py, "end_time")
+    fn end_time(&self, py: Python<'_>) -> PyResult<f64> {
+        let told: Option<f64> = self.told(py, "end_time")?.extract()?;
+        // Of one that ended before its time the last sample.
+        let last = || self.time.bind(py).readonly().as_slice().ok().and_then(|time| time.last().copied());
+        Ok(told.or_else(last).unwrap_or(0.0))
     }
 
     /// The last positions.
@@ -339,7 +342,8 @@ impl Run {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let samples = self.time.bind(py).len()?;
-        let (end, methods) = (self.end_time(py)?.str()?, self.integrators(py)?.join(", then "));
+        let (end, methods) = (self.end_time(py)?, self.integrators(py)?.join(", then "));
+        let methods = if methods.is_empty() { "it ended before its time".to_owned() } else { methods };
         Ok(format!("<Run of `{}` to {end} s: {samples} samples, {methods}>", self.scene.title))
     }
 

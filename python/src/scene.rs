@@ -12,9 +12,9 @@ use crate::run::{Asked, Done, Run, run};
 use crate::simulator::Simulator;
 use crate::{NoEquilibrium, SceneError};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyMapping};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -36,19 +36,50 @@ pub(crate) struct Scene {
     /// meshes are found, and what was set. The text is the scenario's.
     name: String,
     set: Vec<String>,
+    /// What a person should know of how its loops were closed.
+    notes: Vec<String>,
 }
 
 /// What pickle keeps: what makes the scene again, and of what.
 type Pickled<'py> = (Bound<'py, PyAny>, (String, String, Vec<String>));
+
+/// Coordinates and velocities.
+type Positions<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 fn listed(problems: Vec<Problem>) -> PyErr {
     SceneError::new_err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
 }
 
 /// What is to be set: `{"link.stiffness": 5.0}`.
-fn settings(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+fn settings(set: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     let Some(set) = set else { return Ok(Vec::new()) };
-    set.iter().map(|(address, value)| Ok(format!("{}={}", address.str()?, toml(&value)?))).collect()
+    mapping("set", set)?.iter().map(|(address, value)| Ok(format!("{}={}", address.str()?, toml(&value)?))).collect()
+}
+
+/// A dictionary of any mapping.
+pub(crate) fn mapping<'py>(name: &str, given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    if let Ok(dictionary) = given.cast::<PyDict>() {
+        return Ok(dictionary.clone());
+    }
+    let wrong = || PyTypeError::new_err(format!("`{name}` is {}, expected: a mapping", dynamics::shown(given)));
+    given.cast::<PyMapping>().map_err(|_| wrong())?;
+    Ok(given.py().get_type::<PyDict>().call1((given,))?.cast_into()?)
+}
+
+/// One name, or several.
+#[derive(FromPyObject)]
+pub(crate) enum Names {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Names {
+    pub(crate) fn all(self) -> Vec<String> {
+        match self {
+            Self::One(name) => vec![name],
+            Self::Several(names) => names,
+        }
+    }
 }
 
 /// A value as TOML has it.
@@ -59,8 +90,8 @@ fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
 impl Scene {
     fn new(scenario: Scenario, name: String, set: Vec<String>) -> PyResult<Self> {
         let model = Model::build(&scenario.description).map_err(listed)?;
-        let (model, _) = assemble(model).map_err(listed)?;
-        Ok(Self { scenario, model, name, set })
+        let (model, assembly) = assemble(model).map_err(listed)?;
+        Ok(Self { scenario, model, name, set, notes: assembly.notes })
     }
 
     fn of_file(path: &Path, set: Vec<String>) -> PyResult<Self> {
@@ -91,14 +122,14 @@ fn overrides(set: &[String]) -> PyResult<Vec<Override>> {
 /// Reads a scenario file, or that of a model (URDF, MJCF) alone; `set` changes numbers by their addresses.
 #[pyfunction]
 #[pyo3(signature = (path, set = None))]
-pub(crate) fn load(path: PathBuf, set: Option<&Bound<'_, PyDict>>) -> PyResult<Scene> {
+pub(crate) fn load(path: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Scene> {
     Scene::of_file(&path, settings(set)?)
 }
 
 /// Reads the text of a scenario.
 #[pyfunction]
 #[pyo3(signature = (text, set = None, name = "scene.toml"))]
-pub(crate) fn parse(text: &str, set: Option<&Bound<'_, PyDict>>, name: &str) -> PyResult<Scene> {
+pub(crate) fn parse(text: &str, set: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<Scene> {
     Scene::of_text(name, text, settings(set)?)
 }
 
@@ -174,7 +205,7 @@ impl Scene {
         frozen(py, &self.model.start_velocity)
     }
 
-    /// What the reader would warn of, and what its models have that was not taken as it stands.
+    /// What the reader would warn of, what its models have that was not taken as it stands, and how its loops were closed.
     #[getter]
     fn warnings(&self) -> String {
         let taken = self.scenario.models.iter().filter(|model| !model.notes.is_empty());
@@ -186,13 +217,22 @@ impl Scene {
             });
             format!("{path}: {}\n{}", counted(&model.notes), lost.collect::<String>())
         });
-        self.scenario.warnings.render(false) + &lines.collect::<String>()
+        let notes = self.notes.iter().map(|note| format!("{note}\n"));
+        self.scenario.warnings.render(false) + &lines.chain(notes).collect::<String>()
     }
 
     /// The same scene with other numbers, by their addresses: `scene.with_set({"spring.stiffness": 900})`.
-    fn with_set(&self, set: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn with_set(&self, set: &Bound<'_, PyAny>) -> PyResult<Self> {
         let more = settings(Some(set))?;
         Self::of_text(&self.name, &self.scenario.text, self.set.iter().cloned().chain(more).collect())
+    }
+
+    /// The state nearest to a given one that loops, drives and gears agree with: `(q, v)`. Without velocities they are zero.
+    #[pyo3(signature = (q, v = None))]
+    fn close<'py>(&self, py: Python<'py>, q: Vec<f64>, v: Option<Vec<f64>>) -> PyResult<Positions<'py>> {
+        let v = v.unwrap_or_else(|| vec![0.0; self.model.velocity_count()]);
+        let found = nearest(&self.model, fitting(&self.model, vec![q, v])?)?;
+        Ok((frozen(py, &found.position)?, frozen(py, &found.velocity)?))
     }
 
     /// The equilibrium that statics finds.
@@ -220,15 +260,16 @@ impl Scene {
     #[pyo3(signature = (inputs = None, outputs = None, *, start = None))]
     fn linearize(
         slf: &Bound<'_, Self>,
-        inputs: Option<Vec<String>>,
-        outputs: Option<Vec<String>>,
-        start: Option<(Vec<f64>, Vec<f64>)>,
+        inputs: Option<Names>,
+        outputs: Option<Names>,
+        start: Option<Vec<Vec<f64>>>,
     ) -> PyResult<Linear> {
-        let Some((position, velocity)) = start else {
+        let Some(start) = start else {
             return Self::equilibrium(slf)?.linearize(inputs, outputs);
         };
+        let (inputs, outputs) = (inputs.map(Names::all), outputs.map(Names::all));
         let Self { model, scenario, .. } = slf.get();
-        let state = closed(model, fitting(model, State { position, velocity })?)?;
+        let state = closed(model, fitting(model, start)?)?;
         let place = (scenario.simulate.begin(), state);
         let linear = stillpoint::cli::linearize_at(&scenario.description, model, place, inputs, outputs);
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
@@ -246,7 +287,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<(Vec<f64>, Vec<f64>)>,
+        start: Option<Vec<Vec<f64>>>,
         controller: Option<Py<PyAny>>,
         period: Option<f64>,
     ) -> PyResult<Run> {
@@ -262,7 +303,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<(Vec<f64>, Vec<f64>)>,
+        start: Option<Vec<Vec<f64>>>,
     ) -> PyResult<Simulator> {
         Ok(Simulator::new(Self::asked(slf, None, None, integrator, tolerance, step, start)?))
     }
@@ -273,7 +314,7 @@ impl Scene {
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn batch<'py>(
         slf: &Bound<'py, Self>,
-        sets: Vec<Bound<'py, PyDict>>,
+        sets: Vec<Bound<'py, PyAny>>,
         duration: Option<f64>,
         rate: Option<f64>,
         integrator: Option<&str>,
@@ -282,7 +323,7 @@ impl Scene {
         threads: Option<usize>,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let py = slf.py();
-        let one = |set: &Bound<'_, PyDict>| -> PyResult<Asked> {
+        let one = |set: &Bound<'_, PyAny>| -> PyResult<Asked> {
             let scene = Bound::new(py, slf.get().with_set(set)?)?;
             Self::asked(&scene, duration, rate, integrator, tolerance, step, None)
         };
@@ -308,8 +349,8 @@ impl Scene {
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn sweep<'py>(
         slf: &Bound<'py, Self>,
-        over: Option<&Bound<'py, PyDict>>,
-        vary: Option<&Bound<'py, PyDict>>,
+        over: Option<&Bound<'py, PyAny>>,
+        vary: Option<&Bound<'py, PyAny>>,
         cases: Option<u64>,
         seed: u64,
         sample: Option<&str>,
@@ -317,7 +358,9 @@ impl Scene {
         time_limit: Option<f64>,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let plan = batch::plan(over, vary, cases, seed, sample)?;
+        let over = over.map(|over| mapping("over", over)).transpose()?;
+        let vary = vary.map(|vary| mapping("vary", vary)).transpose()?;
+        let plan = batch::plan(over.as_ref(), vary.as_ref(), cases, seed, sample)?;
         let limit = positive("time_limit", time_limit)?.unwrap_or(f64::INFINITY);
         let this = slf.get();
         let columns = batch::sweep(slf.py(), &this.scenario, overrides(&this.set)?, plan, (run, limit), threads)?;
@@ -379,14 +422,14 @@ impl Scene {
             None => {
                 let whole = PyDict::new(py);
                 whole.set_item("statics.path", set)?;
-                slf.get().with_set(&whole)?
+                slf.get().with_set(whole.as_any())?
             }
             Some(_) => {
                 let each = PyDict::new(py);
                 for (key, value) in set.iter() {
                     each.set_item(format!("statics.path.{}", key.extract::<String>()?), value)?;
                 }
-                slf.get().with_set(&each)?
+                slf.get().with_set(each.as_any())?
             }
         };
         path::follow(py, &scene.scenario)
@@ -442,7 +485,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<(Vec<f64>, Vec<f64>)>,
+        start: Option<Vec<Vec<f64>>>,
     ) -> PyResult<Asked> {
         let this = slf.get();
         let mut settings = this.scenario.simulate;
@@ -459,9 +502,8 @@ impl Scene {
             })?;
         }
         let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
-        let is_given = start.is_some();
         let (model, start) = match start {
-            Some((position, velocity)) => (Arc::clone(&this.model), State { position, velocity }),
+            Some(start) => (Arc::clone(&this.model), closed(&this.model, fitting(&this.model, start)?)?),
             None if settings.start == Start::Equilibrium => {
                 let found = Self::equilibrium(slf)?;
                 (Arc::clone(found.model()), found.state())
@@ -471,33 +513,76 @@ impl Scene {
                 (Arc::clone(&this.model), State { position, velocity })
             }
         };
-        let start = if is_given { closed(&model, fitting(&model, start)?)? } else { start };
         let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
         Ok(Asked { model, settings, rate, start, name, text })
     }
 }
 
 /// A start with as many numbers as the scene has.
-fn fitting(model: &Model, start: State) -> PyResult<State> {
+fn fitting(model: &Model, start: Vec<Vec<f64>>) -> PyResult<State> {
+    let [position, velocity] = <[Vec<f64>; 2]>::try_from(start)
+        .map_err(|given| PyValueError::new_err(format!("`start` has {} parts, expected: (q, v)", given.len())))?;
     let (q, v) = (model.position_count(), model.velocity_count());
-    let given = (start.position.len(), start.velocity.len());
+    let given = (position.len(), velocity.len());
     if given == (q, v) {
-        return Ok(start);
+        return Ok(State { position, velocity });
     }
     let message = format!("`start` has {} positions and {} velocities, the scene {q} and {v}", given.0, given.1);
     Err(PyValueError::new_err(message))
 }
 
-/// A state from outside as one of a file: what loops, drives and gears decide follows.
-pub(crate) fn closed(model: &Arc<Model>, state: State) -> PyResult<State> {
-    if state.position.iter().chain(&state.velocity).any(|x| !x.is_finite()) {
-        return Err(PyValueError::new_err("a start has finite numbers alone"));
+/// How far the norm of a quaternion may be from one, as in a file, and how far loops, drives and gears may move what is given: rad and parts
+/// of the scene's length, velocities in parts of the largest.
+const SLACK: f64 = 1e-6;
+
+/// Quaternions of unit norm, in numbers that are finite.
+pub(crate) fn checked(model: &Model, state: State) -> PyResult<State> {
+    let State { mut position, velocity } = state;
+    if position.iter().chain(&velocity).any(|x| !x.is_finite()) {
+        return Err(PyValueError::new_err("a state has finite numbers alone"));
     }
-    let (position, velocity) =
-        stillpoint::constraint::closed(model, &state.position, &state.velocity).map_err(|problems| {
-            PyValueError::new_err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
-        })?;
+    for body in &model.bodies {
+        let (count, _) = body.hinge.kind.counts();
+        let own = &mut position[body.hinge.position..body.hinge.position + count];
+        let Some(turn @ [_, ..]) = own.get_mut(body.hinge.kind.plain_coordinates()..) else { continue };
+        let norm = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > SLACK {
+            let message = format!("the quaternion of the hinge of `{}` has norm {norm}, allowed: 1", body.name);
+            return Err(PyValueError::new_err(message));
+        }
+        turn.iter_mut().for_each(|x| *x /= norm);
+    }
     Ok(State { position, velocity })
+}
+
+/// The nearest state that loops, drives and gears agree with.
+fn nearest(model: &Arc<Model>, state: State) -> PyResult<State> {
+    let State { position, velocity } = checked(model, state)?;
+    let (position, velocity) = stillpoint::constraint::closed(model, &position, &velocity).map_err(|problems| {
+        PyValueError::new_err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+    })?;
+    Ok(State { position, velocity })
+}
+
+/// A state from outside: one that loops, drives and gears agree with.
+pub(crate) fn closed(model: &Arc<Model>, state: State) -> PyResult<State> {
+    let closed = nearest(model, state.clone())?;
+    let fastest = state.velocity.iter().fold(1.0, |m: f64, v| m.max(v.abs()));
+    let length = model.length_scale().max(1.0);
+    let (names, rates) = (dynamics::coordinates(model), dynamics::velocities(model));
+    // A quaternion and its opposite are one turn.
+    let far = |x: &f64, y: &f64, size: f64| (x - y).abs() > SLACK * size && (x + y).abs() > SLACK * size;
+    let of_position = state.position.iter().zip(&closed.position).zip(&names).map(|at| (at, length));
+    // What is given no velocity has the one that drives give it.
+    let of_velocity = state.velocity.iter().zip(&closed.velocity).zip(&rates).map(|at| (at, fastest));
+    let of_velocity = of_velocity.filter(|(((given, _), _), _)| **given != 0.0);
+    match of_position.chain(of_velocity).find(|(((given, own), _), size)| far(given, own, *size)) {
+        None => Ok(closed),
+        Some((((given, own), name), _)) => Err(PyValueError::new_err(format!(
+            "loops, drives or gears do not agree with this state: `{name}` is {given:?}, in the nearest one that they agree with \
+             {own:?}; `Scene.close(q, v)` gives that state"
+        ))),
+    }
 }
 
 /// A number that has to be finite and above zero.

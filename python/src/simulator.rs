@@ -4,12 +4,12 @@ use crate::RunError;
 use crate::control::{inputs, outputs, set};
 use crate::interrupt::Interrupt;
 use crate::run::Asked;
-use crate::scene::{closed, frozen};
+use crate::scene::{checked, closed, frozen};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stillpoint::simulate::{self, State};
 use stillpoint::simulator::{self, Snapshot};
 
@@ -167,9 +167,12 @@ impl Simulator {
             }
             (next.time, next.resume) = (time, None);
         }
-        // Drives are somewhere else later: there the state stands as it is.
-        if is_moved && next.time == 0.0 {
-            next.state = closed(here.model(), next.state)?;
+        if is_moved {
+            // Drives are somewhere else later: there the state stands as it is.
+            next.state = match next.time == 0.0 {
+                true => closed(here.model(), next.state)?,
+                false => checked(here.model(), next.state)?,
+            };
         }
         self.now().place(next).map_err(of_another)
     }
@@ -186,7 +189,20 @@ impl Simulator {
     fn restore(&self, state: &Bound<'_, PyTuple>) -> PyResult<()> {
         type Kept = (f64, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<f64>>);
         let (time, position, velocity, inputs, memories): Kept = state.extract()?;
+        if !(time >= 0.0 && time.is_finite()) {
+            return Err(PyValueError::new_err(format!(
+                "the time of the state is {time}, allowed: a finite number ≥ 0"
+            )));
+        }
+        if inputs.iter().chain(memories.iter().flatten()).any(|x| !x.is_finite()) {
+            return Err(PyValueError::new_err("a state has finite numbers alone"));
+        }
+        let model = Arc::clone(self.now().model());
+        let (q, v) = (model.position_count(), model.velocity_count());
         let state = State { position, velocity };
+        if (state.position.len(), state.velocity.len()) == (q, v) {
+            checked(&model, state.clone())?;
+        }
         let snapshot = Snapshot { time, state, inputs, memories, resume: None, stopped_by: None };
         self.now().restore(snapshot).map_err(of_another)
     }

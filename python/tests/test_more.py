@@ -294,3 +294,101 @@ def test_what_an_import_lost_is_in_the_warnings(tmp_path):
     warnings = stillpoint.load(tmp_path / "scene.toml").warnings
     assert "1 ignored" in warnings and "springs and dampers" in warnings
     assert stillpoint.describe(SLIDER).warnings == ""
+
+
+TOUCHED = {
+    "body": [
+        {
+            "name": "pendulum",
+            "mass": 1.0,
+            "center": [0, 0, -1],
+            "inertia": [0.1, 0.1, 0.1],
+            "hinge": {"type": "revolute", "axis": [0, 1, 0], "position": 0.1, "limits": [0.0, 1.0]},
+        }
+    ],
+    "output": [{"name": "angle", "type": "coordinate", "of": "pendulum"}],
+}
+
+
+def test_notes_come_with_numbers():
+    rest = stillpoint.describe(TOUCHED).equilibrium()
+    by = rest.sensitivity("angle", "pendulum.force")
+    assert isinstance(by, stillpoint.Sensitivities) and "bears next to nothing" in " ".join(by.notes)
+    linear = rest.linearize()
+    assert "bears next to nothing" in " ".join(linear.notes)
+    bar = stillpoint.load(SCENARIOS / "four_bar.toml")
+    assert "leaves the loops open" in bar.warnings
+    energies = [{"name": "energy", "type": "energy", "of": "kinetic"}]
+    energy = stillpoint.describe({**SLIDER, "output": energies}).equilibrium().linearize()
+    assert energy.left_out == ["energy"] and "left out" in " ".join(energy.notes)
+    with pytest.raises(ValueError, match="nothing feels the input"):
+        stillpoint.describe({**TOUCHED, "output": []}).equilibrium().linearize("pendulum.force")
+
+
+def test_frequency_responses_are_those_of_the_matrices():
+    linear = stillpoint.load(SCENARIOS / "double_wishbone.toml").equilibrium().linearize("bump", ["camber", "travel"])
+    A, B, C, D = linear.A, linear.B, linear.C, linear.D
+    frequencies = np.array([0.0, 0.3, 2.0, 17.0])
+    found, moved = linear.response(frequencies), linear.response(frequencies, displacement=True)
+    assert found.shape == (4, 2, 1) and linear.units["bump"] in ("m/s²", "rad/s²")
+    for k, hz in enumerate(frequencies[1:], 1):
+        s = 2j * np.pi * hz
+        expected = C @ np.linalg.solve(s * np.eye(len(A)) - A, B) + D
+        assert found[k] == pytest.approx(expected, rel=1e-9)
+        assert moved[k] == pytest.approx(expected * s**2, rel=1e-9)
+    values = np.sort_complex(np.linalg.eigvals(A))
+    assert np.sort_complex(linear.eigenvalues) == pytest.approx(values, abs=1e-8 * np.abs(values).max())
+    step, fine = linear.discretize(0.01), linear.discretize(0.005)
+    assert step[0] == pytest.approx(fine[0] @ fine[0], abs=1e-9 * np.abs(step[0]).max())
+    assert step[1] == pytest.approx(fine[0] @ fine[1] + fine[1], abs=1e-9 * np.abs(step[1]).max())
+    assert "eigenvalues" in linear._repr_html_()
+    again = pickle.loads(pickle.dumps(linear))
+    assert again.notes == linear.notes and again.units == linear.units
+
+
+def test_states_that_loops_do_not_agree_with_are_refused():
+    bar = stillpoint.load(SCENARIOS / "four_bar.toml")
+    rest = bar.equilibrium()
+    q, v = np.array(rest.q), np.zeros(bar.degrees_of_freedom)
+    simulator = bar.simulator(start=[q, v])
+    for attempt in (
+        lambda q: bar.run(0.1, start=(q, v)),
+        lambda q: bar.simulator(start=(q, v)),
+        lambda q: bar.linearize(start=(q, v)),
+        lambda q: simulator.set(q=q),
+    ):
+        with pytest.raises(ValueError, match="Scene.close"):
+            attempt(q + 0.1)
+    near, still = bar.close(q + 0.1)
+    assert np.abs(near - q).max() > 0.01 and np.all(still == 0.0)
+    bar.simulator(start=(near, still))
+    with pytest.raises(ValueError, match="finite"):
+        simulator.restore((0.0, [math.nan] * len(q), [0.0] * len(v), *simulator.state()[3:]))
+    with pytest.raises(ValueError, match="the time of the state is"):
+        simulator.restore((math.nan, *simulator.state()[1:]))
+    simulator.restore(simulator.state())
+    free = stillpoint.describe(body=[{"name": "b", "mass": 1.0, "inertia": [1, 1, 1], "hinge": {"type": "free"}}])
+    with pytest.raises(ValueError, match="quaternion of the hinge of `b` has norm 3"):
+        free.simulator(start=([0, 0, 0, 3, 0, 0, 0], np.zeros(6)))
+
+
+def test_arguments_are_taken_as_they_come():
+    from types import MappingProxyType
+
+    scene = stillpoint.describe(SLIDER)
+    assert scene.with_set(MappingProxyType({"mass.mass": 3.0})).run(0.1).end_time == 0.1
+    table = scene.sweep(MappingProxyType({"mass.mass": [1.0, 2.0]}))
+    assert isinstance(table, stillpoint.Table) and isinstance(scene.equilibrium().modes, stillpoint.Modes)
+    with pytest.raises(TypeError, match="`set` is"):
+        scene.with_set([1.0])
+    with pytest.raises(ValueError, match="`start` has 1 parts"):
+        scene.run(0.1, start=[[0.3]])
+    run = scene.run(0.5, rate=20)
+    shown = run._repr_html_()
+    assert "<iframe" in shown and "srcdoc" in shown and len(shown) < 3_000_000
+    with pytest.raises(ValueError, match="at t = 0.1"):
+        scene.run(1.0, controller=lambda t, y: math.nan if t > 0.05 else 0.0, period=0.1)
+    try:
+        scene.run(1.0, controller=lambda t, y: math.nan if t > 0.05 else 0.0, period=0.1)
+    except ValueError as error:
+        assert error.run.end_time <= 0.1 and "before its time" in repr(error.run)

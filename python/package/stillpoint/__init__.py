@@ -30,6 +30,7 @@ from ._stillpoint import (  # noqa: E402
 )
 from ._describe import describe  # noqa: E402
 from ._fit import Fit  # noqa: E402
+from ._table import Modes, Sensitivities, Table  # noqa: E402
 
 __all__ = [
     "Branch",
@@ -38,13 +39,16 @@ __all__ = [
     "Fit",
     "Linear",
     "Mode",
+    "Modes",
     "NoEquilibrium",
     "Path",
     "Run",
     "RunError",
     "Scene",
     "SceneError",
+    "Sensitivities",
     "Simulator",
+    "Table",
     "__version__",
     "describe",
     "load",

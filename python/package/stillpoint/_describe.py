@@ -11,4 +11,6 @@ def describe(scene=None, **tables) -> Scene:
     ...                 "hinge": {"type": "revolute", "axis": [0, 1, 0]}}])
     """
     every = {**(scene or {}), **tables}
+    # A list with nothing in it says nothing.
+    every = {key: value for key, value in every.items() if not (isinstance(value, (list, tuple)) and len(value) == 0)}
     return parse("".join(f"{inline(str(key))} = {inline(value)}\n" for key, value in every.items()), name="scene")

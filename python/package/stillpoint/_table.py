@@ -14,6 +14,18 @@ class Table(dict):
         return arrow_stream(list(self.items()))
 
 
+class Sensitivities(dict):
+    """Derivatives by address, and `notes`: why there is none, and as long as what they hold."""
+
+    def __init__(self, derivatives=(), notes=()):
+        super().__init__(derivatives)
+        self.notes = list(notes)
+
+    def __repr__(self) -> str:
+        notes = f", notes={self.notes!r}" if self.notes else ""
+        return f"Sensitivities({dict.__repr__(self)}{notes})"
+
+
 class Modes:
     """Small motions, slowest first, as a list has them; `polars.DataFrame(modes)` is their table.
 
