@@ -1,7 +1,6 @@
 //! What plots have in common: colours that the colour-blind tell apart (Okabe and Ito), on light and on dark paper, and axes.
 
 use super::number::{number_to, without_noise};
-use crate::round_off::SHOWN;
 use clap::ValueEnum;
 use plotters::style::RGBColor;
 
@@ -79,11 +78,15 @@ pub(super) fn tick(x: f64, range: (f64, f64)) -> String {
 /// Digits that a number has at most.
 const MOST_DIGITS: f64 = 17.0;
 
-/// The range of numbers with some room around it. Numbers that differ by round-off are one number.
+/// Numbers that differ by less than this part of themselves are a flat line: what is left of an equilibrium after many steps, with more digits
+/// at its axis than there is room for.
+const FLAT: f64 = 5e-10;
+
+/// The range of numbers with some room around it.
 pub(super) fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let room = 0.05 * (high - low);
-    let room = if room > SHOWN.of(0.05) * high.abs().max(low.abs()) { room } else { 1e-3 * high.abs().max(1.0) };
+    let room = if room > 0.05 * FLAT * high.abs().max(low.abs()) { room } else { 1e-3 * high.abs().max(1.0) };
     (low - room, high + room)
 }
 
@@ -93,7 +96,7 @@ mod tests {
 
     #[test]
     fn round_off_is_a_flat_line_and_ticks_differ() {
-        let (low, high) = range([0.6, 0.6 + 1e-15, 0.6 - 2e-15].into_iter());
+        let (low, high) = range([0.6, 0.6 + 1e-10, 0.6 - 1e-10].into_iter());
         assert!(high - low > 1e-3 && (0.5 * (low + high) - 0.6).abs() < 1e-12, "{low} {high}");
         assert_eq!(range([0.0; 3].into_iter()), (-1e-3, 1e-3));
         for size in [1e-9, 1e-6, 1e-3, 0.1, 1.0, 30.0] {

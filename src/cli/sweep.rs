@@ -20,7 +20,7 @@ use rows::Rows;
 use serde_json::json;
 #[cfg(feature = "parquet")]
 use shard::Shard;
-use std::num::{NonZeroU64, NonZeroUsize};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -43,8 +43,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME", requires = "vary", value_parser = PossibleValuesParser::new(Sampling::ALL.map(Sampling::name)))]
     sample: Option<String>,
     /// Samples at every point of the grid: the same at each
-    #[arg(long, value_name = "N", requires = "vary")]
-    cases: Option<NonZeroU64>,
+    #[arg(long, value_name = "N", requires = "vary", value_parser = clap::value_parser!(u64).range(1..))]
+    cases: Option<u64>,
     /// What the samples follow from; default 0
     #[arg(long, value_name = "S", requires = "vary")]
     seed: Option<u64>,
@@ -55,8 +55,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time_limit: Option<f64>,
     /// Cases that are worked on at once; default: one per processor. The answers do not depend on it
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Whether cases are computed side by side in the lanes of the processor's registers: whenever that pays, or never. The
     /// answers are the same to round-off
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
@@ -96,8 +96,8 @@ struct DatasetOptions {
     #[arg(long, requires = "out")]
     missing: bool,
     /// Rows of a part; default: a hundredth of all, at most 10 000
-    #[arg(long, value_name = "N", requires = "out")]
-    part_rows: Option<NonZeroU64>,
+    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
+    part_rows: Option<u64>,
 }
 
 /// More cases than this are written as they come, or not at all.
@@ -212,7 +212,7 @@ fn plan(arguments: &Arguments) -> anyhow::Result<Plan> {
     let named = |name: &String| Sampling::ALL.into_iter().find(|sampling| sampling.name() == name);
     let draw = Draw {
         sampling: arguments.sample.as_ref().and_then(named).unwrap_or_default(),
-        samples: arguments.cases.map_or(1, NonZeroU64::get),
+        samples: arguments.cases.unwrap_or(1),
         seed: arguments.seed.unwrap_or(0),
     };
     let text = matrix.as_ref().map(|(_, text)| text.as_str());
@@ -298,7 +298,7 @@ impl Sweep<'_> {
         take: pool::Take<'_, anyhow::Error>,
     ) -> anyhow::Result<bool> {
         let available = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let threads = self.arguments.threads.map_or(available, NonZeroUsize::get).min(count.max(1) as usize);
+        let threads = self.arguments.threads.map_or(available, usize::from).min(count.max(1) as usize);
         let common = &self.arguments.common;
         let (done, bar) = (AtomicU64::new(0), Mutex::new(Progress::new(1.0, common.quiet || common.json)));
         let progress = || {
@@ -358,7 +358,7 @@ impl Sweep<'_> {
     fn dataset(&self, folder: &Path) -> anyhow::Result<Exit> {
         use crate::study::dataset::Dataset;
         let (common, options) = (&self.arguments.common, &self.arguments.dataset);
-        let dataset = Dataset::new(folder, &self.cases, options.part_rows.map(NonZeroU64::get))?;
+        let dataset = Dataset::new(folder, &self.cases, options.part_rows)?;
         if options.missing {
             return self.missing(&dataset);
         }

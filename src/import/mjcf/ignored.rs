@@ -218,7 +218,7 @@ const KNOWN: [&str; 49] = [
     "actuatorfrclimited",
 ];
 
-/// Those that do nothing in a free joint.
+/// Attributes that do nothing in a free joint.
 const NOTHING_OF_FREE: [&str; 6] = ["axis", "pos", "range", "limited", "ref", "springref"];
 
 /// Whether an attribute would do something in this element.
