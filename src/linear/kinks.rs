@@ -7,15 +7,17 @@
 use super::{Basis, Mat, Place, basis};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::Model;
+use crate::round_off::LOAD;
 use std::sync::Arc;
 
-/// The distance of (1), rad, parts of the scene's length, and these by its time; and how much shorter the second one is.
+/// The distances of (1): the first, rad, parts of the scene's length, and these by its time; and how much shorter each one is than the last.
 const FAR: f64 = 1e-4;
-const SHORTER: f64 = 16.0;
-/// What stays of (1) at a kink; of smooth forces a sixteenth does.
-const STAYS: f64 = 0.5;
-/// A kink by less than this part of the stiffness is round-off.
-const SLIGHT: f64 = 1e-6;
+const SHORTER: f64 = 4.0;
+const DISTANCES: usize = 3;
+/// At a kink (1) changes by no more than this part from one to the next; of smooth forces it falls to a fourth.
+const STAYS: f64 = 0.2;
+/// A kink by less than this part of the stiffness is none.
+const SLIGHT: f64 = 1e-4;
 
 /// Velocity coordinates that feel a kink at a place, of the positions and of the velocities.
 pub(super) fn kinks(
@@ -33,6 +35,10 @@ pub(super) fn kinks(
         Ok(residual)
     };
     let here = residual(system, &place.position, &place.velocity)?;
+    // What (1) is by round-off at distance 1: of the terms that cancel.
+    let mut scratch = vec![0.0; n];
+    let terms = system.at(place.time, &place.position, &place.velocity).residual(a, &mut scratch)?.magnitudes().force;
+    let noise: Vec<f64> = terms.iter().map(|size| LOAD.of(*size)).collect();
     let mut felt = vec![false; n];
     for column in 0..basis.independent.len() {
         let along: Vec<f64> = (0..n).map(|i| basis.columns[(i, column)]).collect();
@@ -54,13 +60,18 @@ pub(super) fn kinks(
                 }
                 Ok((0..n).map(|i| (both[0][i] - 2.0 * here[i] + both[1][i]).abs() / h).collect())
             };
-            let (first, second) = (apart(system, far)?, apart(system, far / SHORTER)?);
+            let mut shorter = far;
+            let mut levels = Vec::with_capacity(DISTANCES);
+            for _ in 0..DISTANCES {
+                levels.push((shorter, apart(system, shorter)?));
+                shorter /= SHORTER;
+            }
             let of = if by_rate { &linear.damping } else { &linear.stiffness };
-            let slope = |i: usize| size(of, i, &along).max(second[i]);
             for i in 0..n {
-                // Round-off grows as the distance falls.
-                let stays = second[i] > STAYS * first[i] && second[i] < first[i] / STAYS;
-                felt[i] |= stays && second[i] > SLIGHT * slope(i);
+                let stays = levels.windows(2).all(|two| (two[1].1[i] - two[0].1[i]).abs() <= STAYS * two[0].1[i]);
+                let (distance, last) = (levels[DISTANCES - 1].0, levels[DISTANCES - 1].1[i]);
+                let least = (SLIGHT * size(of, i, &along)).max(noise[i] / distance);
+                felt[i] |= stays && last > least;
             }
         }
     }

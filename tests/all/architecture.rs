@@ -42,7 +42,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial", "round_off"],
     ),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
-    ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
+    ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest", "round_off"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
     // `hinge` for what loops lock, `suggest` for names of outputs.
     (
