@@ -22,6 +22,7 @@ use stillpoint::constraint::assemble;
 use stillpoint::import::{Taken, counted};
 use stillpoint::integrate::Method;
 use stillpoint::model::{Model, Problem};
+use stillpoint::motion::relative;
 use stillpoint::scenario::{self, LoadError, Override, Scenario};
 use stillpoint::simulate::{Integrator, Start, State};
 use stillpoint::statics;
@@ -567,22 +568,35 @@ fn nearest(model: &Arc<Model>, state: State) -> PyResult<State> {
 /// A state from outside: one that loops, drives and gears agree with.
 pub(crate) fn closed(model: &Arc<Model>, state: State) -> PyResult<State> {
     let closed = nearest(model, state.clone())?;
-    let fastest = state.velocity.iter().fold(1.0, |m: f64, v| m.max(v.abs()));
-    let length = model.length_scale().max(1.0);
-    let (names, rates) = (dynamics::coordinates(model), dynamics::velocities(model));
-    // A quaternion and its opposite are one turn.
-    let far = |x: &f64, y: &f64, size: f64| (x - y).abs() > SLACK * size && (x + y).abs() > SLACK * size;
-    let of_position = state.position.iter().zip(&closed.position).zip(&names).map(|at| (at, length));
-    // What is given no velocity has the one that drives give it.
-    let of_velocity = state.velocity.iter().zip(&closed.velocity).zip(&rates).map(|at| (at, fastest));
-    let of_velocity = of_velocity.filter(|(((given, _), _), _)| **given != 0.0);
-    match of_position.chain(of_velocity).find(|(((given, own), _), size)| far(given, own, *size)) {
-        None => Ok(closed),
-        Some((((given, own), name), _)) => Err(PyValueError::new_err(format!(
+    let refused = |name: &str, given: f64, own: f64| {
+        Err(PyValueError::new_err(format!(
             "loops, drives or gears do not agree with this state: `{name}` is {given:?}, in the nearest one that they agree with \
              {own:?}; `Scene.close(q, v)` gives that state"
-        ))),
+        )))
+    };
+    let (names, rates) = (dynamics::coordinates(model), dynamics::velocities(model));
+    let mut unit = vec![1.0; model.velocity_count()];
+    model.lengths().for_each(|velocity| unit[velocity] = model.length_scale());
+    for link in model.links.iter() {
+        let (positions, velocities) = link.joint.counts();
+        let mut moved = vec![0.0; velocities];
+        relative(link, &state.position, &closed.position, &mut moved);
+        if (0..velocities).any(|i| moved[i].abs() > SLACK * unit[link.velocity + i]) {
+            // The number that differs most, of a quaternion perhaps.
+            let apart = |at: &usize| (state.position[*at] - closed.position[*at]).abs();
+            let own = link.position..link.position + positions;
+            let at = own.max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(link.position);
+            return refused(&names[at], state.position[at], closed.position[at]);
+        }
     }
+    let fastest = state.velocity.iter().fold(1.0, |m: f64, v| m.max(v.abs()));
+    for (at, (given, own)) in state.velocity.iter().zip(&closed.velocity).enumerate() {
+        // What is given no velocity has the one that drives give it.
+        if *given != 0.0 && (given - own).abs() > SLACK * fastest {
+            return refused(&rates[at], *given, *own);
+        }
+    }
+    Ok(closed)
 }
 
 /// A number that has to be finite and above zero.

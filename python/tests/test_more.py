@@ -280,6 +280,9 @@ def test_a_start_keeps_what_no_drive_decides():
         simulator.set(q=[0.0, angle], v=[0.0, rate])
         assert np.allclose(simulator.q, [0.0, angle], atol=1e-12)
         assert np.allclose(simulator.v, [speed, rate], atol=1e-9)
+    for v in ([-speed, 0.0], [0.5 * speed, 0.0]):
+        with pytest.raises(ValueError, match="`cart.speed` is"):
+            scene.run(0.1, start=([0.0, 0.3], v))
     with pytest.raises(ValueError):
         scene.run(0.1, start=([0.0, math.nan], [0.0, 0.0]))
 

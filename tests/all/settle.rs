@@ -213,6 +213,7 @@ fn an_arm_on_a_spring_settles_on_a_foot() {
         let tension = stiffness * (off.norm() - length);
         let spring = eye.cross(&(off.normalize() * tension)).y;
         let weight = mass * 9.80665 * 0.19 * angle.sin();
-        assert!((spring + weight).abs() < 1e-10 * (1.0 + tension.abs()), "case {case}: {spring} {weight}");
+        // Hinges are balanced to 1e-12 of what cancels in them.
+        assert!((spring + weight).abs() < 1e-11 * (1.0 + tension.abs()), "case {case}: {spring} {weight}");
     }
 }

@@ -354,10 +354,7 @@ impl Contacts {
     /// Couple, place and force of what bears in the last place, and whether it slips.
     fn each_push(&self, mut push: impl FnMut(usize, &Meeting, Vector3<f64>, bool)) {
         if !self.follows_steps() {
-            // Where forces are not unique those of least norm may pull at some point: told are some that do not.
-            let pulls = |one: &Closed| one.meeting.normal.dot(&one.force) < -PULLS * self.scale;
-            let others = if self.closed.iter().any(pulls) { self.best() } else { None };
-            let others = others.filter(|(slack, _)| *slack >= -PULLS).map(|(_, forces)| forces);
+            let others = self.others();
             for (at, one) in self.closed.iter().enumerate().filter(|(_, closed)| closed.state != ContactState::Spare) {
                 let force = others.as_ref().map_or(one.force, |forces| forces[at]);
                 push(one.key.couple, &one.meeting, force, matches!(one.state, ContactState::Slip(_)));
@@ -371,6 +368,29 @@ impl Contacts {
             let limit = self.law(key.couple).friction.slide * normal;
             push(key.couple, &meeting, *force, !self.is_at_rest() && across >= limit * (1.0 - 1e-6));
         }
+    }
+
+    /// Where forces are not unique those of least norm may pull at some point: others that do not, if they do the same to everything.
+    fn others(&self) -> Option<Vec<Vector3<f64>>> {
+        let pulls = |one: &Closed| one.meeting.normal.dot(&one.force) < -PULLS * self.scale;
+        if !self.closed.iter().any(pulls)
+            || self.model.is_constrained()
+            || !self.closed.iter().all(|one| self.is_free(one))
+        {
+            return None;
+        }
+        self.best().filter(|(slack, _)| *slack >= -PULLS).map(|(_, forces)| forces)
+    }
+
+    /// Whether both bodies move all ways, or none: what pushes them together follows from how they accelerate then, and so does what hinges
+    /// pass on.
+    fn is_free(&self, closed: &Closed) -> bool {
+        let links = &self.model.links;
+        self.pairs.couples[closed.key.couple].pieces.iter().all(|piece| {
+            let way = std::iter::successors(Some(self.pairs.pieces[*piece].link), |at| Some(links[*at].parent));
+            let ways: usize = way.take_while(|at| *at != 0).map(|at| links[at].joint.counts().1).sum();
+            ways == 0 || ways >= 6
+        })
     }
 
     /// Names of the bodies of a couple.

@@ -151,7 +151,7 @@ fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Re
     Ok(settle::settle(&held, settings, pose, go_on)?.pose)
 }
 
-/// What no support pushes is balanced to this part of the scene's length at least where a search has settled.
+/// Where a search has settled, what no support pushes is this near to its balance: part of the scene's length.
 const NEAR: f64 = 1e-6;
 
 /// A pose where a scene has settled, with coordinates that no support pushes at their balance to the last digit, all others held: what these
@@ -162,11 +162,8 @@ fn balanced(
     pose: Vec<f64>,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Vec<f64>, Unanswered> {
-    let scene = match Scene::new(model, &pose, settings.gap) {
-        Ok(scene) => scene,
-        // It is told where the pose is judged.
-        Err(_) => return Ok(pose),
-    };
+    // What overlaps is told where the pose is judged.
+    let Ok(scene) = Scene::new(model, &pose, settings.gap) else { return Ok(pose) };
     let pushed = Bearers::new(model, &pose, &scene)?.pushed;
     if pushed.iter().all(|pushed| *pushed) {
         return Ok(pose);
