@@ -4,7 +4,7 @@ mod decades;
 
 use super::palette::Theme;
 pub(super) use decades::Decades;
-use plotters::coord::ranged1d::{Ranged, ValueFormatter};
+use plotters::coord::ranged1d::{BoldPoints, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::coord::{Shift, cartesian::Cartesian2d};
 use plotters::element::{DashedPathElement, DynElement, IntoDynElement};
@@ -154,6 +154,10 @@ pub(super) fn linear<'a>(
     over(root, theme, (across.0..across.1).into(), (up.0..up.1).into(), axes)
 }
 
+/// Numbers at an axis, as many as the library writes at most, and the width of a letter of them (pixels).
+const NUMBERS: usize = 11;
+const LETTER: u32 = 9;
+
 /// Two logarithmic axes over whole decades.
 ///
 /// # Errors
@@ -184,7 +188,9 @@ where
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     let mut builder = ChartBuilder::on(root);
-    let beside = if axes[1].0.is_empty() { 0 } else { px(86) };
+    // Room for the longest number at the axis and for what it is called.
+    let longest = y.key_points(BoldPoints(NUMBERS)).iter().map(|at| axes[1].1(at).chars().count()).max().unwrap_or(0);
+    let beside = if axes[1].0.is_empty() { 0 } else { px(86).max(px(LETTER * longest as u32 + 30)) };
     builder.margin(px(12)).x_label_area_size(px(46)).y_label_area_size(beside);
     let mut chart = builder.build_cartesian_2d(x, y)?;
     grid(&mut chart, theme, axes)?;
