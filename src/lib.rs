@@ -130,6 +130,7 @@ pub mod constraint;
 pub mod contact;
 pub mod dynamics;
 pub mod element;
+pub mod extrapolate;
 pub mod fem;
 #[cfg(feature = "fmu")]
 pub mod fmu;

@@ -47,6 +47,13 @@ pub(crate) fn shown(given: &Bound<'_, PyAny>) -> String {
 
 /// One list of numbers, whatever numpy takes for that.
 fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
+    if let Ok(array) = given.cast::<PyArray1<f64>>() {
+        return Ok(array.readonly().as_array().iter().copied().collect());
+    }
+    // A cast would lose what is imaginary.
+    if given.py().import("numpy")?.call_method1("iscomplexobj", (given,))?.is_truthy()? {
+        return Err(PyTypeError::new_err(format!("{name} is {}, expected: {expected}, none complex", shown(given))));
+    }
     match given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
         Ok(array) => Ok(array.as_array().iter().copied().collect()),
         Err(_) => Err(match shape(given) {

@@ -5,6 +5,7 @@ use crate::arrow::{self, Column};
 use crate::control::{Controller, Failed};
 use crate::interrupt::Interrupt;
 use crate::recorder::{self, Columns};
+use crate::scene::by_kind;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -131,7 +132,13 @@ impl Run {
 
     /// Reads a recording.
     pub(crate) fn open(py: Python<'_>, path: &Path) -> PyResult<Self> {
-        let wrong = |error: record::RecordError| PyOSError::new_err(error.to_string());
+        let wrong = |error: record::RecordError| {
+            let text = error.to_string();
+            match &error {
+                record::RecordError::Read { source, .. } => by_kind(source, text),
+                _ => PyOSError::new_err(text),
+            }
+        };
         let recording = Recording::open(path).map_err(wrong)?;
         let mut columns = Columns::new(&recording.scene, 0).ok_or_else(|| PyMemoryError::new_err("no memory"))?;
         for sample in recording.samples().map_err(wrong)? {

@@ -12,7 +12,9 @@ use crate::run::{Asked, Done, Run, run};
 use crate::simulator::Simulator;
 use crate::{NoEquilibrium, SceneError};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyTypeError, PyValueError,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use std::path::{Path, PathBuf};
@@ -27,6 +29,7 @@ use stillpoint::scenario::{self, LoadError, Override, Scenario};
 use stillpoint::simulate::{Integrator, Start, State};
 use stillpoint::statics;
 use stillpoint::suggest::closest;
+use stillpoint::text_file::ReadError;
 
 /// A scene, as `load` and `parse` give it. It never changes: with other numbers it is another one.
 #[pyclass(frozen, module = "stillpoint")]
@@ -98,7 +101,7 @@ impl Scene {
     fn of_file(path: &Path, set: Vec<String>) -> PyResult<Self> {
         let scenario = scenario::load_with(path, &overrides(&set)?).map_err(|error| match error {
             LoadError::Problems(problems) => SceneError::new_err(problems.render(false)),
-            other => PyOSError::new_err(other.to_string()),
+            LoadError::File(error) => unreadable(&error),
         })?;
         Self::new(scenario, absolute(path), set)
     }
@@ -107,6 +110,27 @@ impl Scene {
         let scenario = scenario::parse(name, text, &overrides(&set)?)
             .map_err(|problems| SceneError::new_err(problems.render(false)))?;
         Self::new(scenario, absolute(Path::new(name)), set)
+    }
+}
+
+/// The exception for a file that cannot be read, as Python's own functions raise it.
+fn unreadable(error: &ReadError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        ReadError::Missing { .. } => PyFileNotFoundError::new_err(text),
+        ReadError::Folder { .. } => PyIsADirectoryError::new_err(text),
+        ReadError::Unreadable { source, .. } => by_kind(source, text),
+        _ => PyOSError::new_err(text),
+    }
+}
+
+/// The exception of the operating system's kind, with words of our own.
+pub(crate) fn by_kind(error: &std::io::Error, text: String) -> PyErr {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
+        std::io::ErrorKind::PermissionDenied => PyPermissionError::new_err(text),
+        std::io::ErrorKind::IsADirectory => PyIsADirectoryError::new_err(text),
+        _ => PyOSError::new_err(text),
     }
 }
 

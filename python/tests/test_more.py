@@ -224,8 +224,9 @@ def test_runs_become_recordings_and_come_back(tmp_path):
     assert all((theirs[name] == run[name]).all() for name in run.columns)
     with pytest.raises(ValueError, match="ends in .mcap"):
         run.save(tmp_path / "run.xlsx")
-    with pytest.raises(OSError):
+    with pytest.raises(FileNotFoundError):
         stillpoint.open(tmp_path / "none.mcap")
+    assert "<code>run.report(&#39;run.html&#39;)</code>" in (tmp_path / "run.html").read_text(encoding="utf-8")
 
 
 def test_equilibria_are_pickled():
@@ -347,6 +348,22 @@ def test_frequency_responses_are_those_of_the_matrices():
     assert "eigenvalues" in linear._repr_html_()
     again = pickle.loads(pickle.dumps(linear))
     assert again.notes == linear.notes and again.units == linear.units
+
+
+def test_what_a_foundation_feels_is_the_force_that_mounts_transmit():
+    m, k, c = 12.0, 3000.0, 20.0
+    hinge = {"type": "prismatic", "axis": [0, 0, 1], "stiffness": k, "damping": c}
+    machine = {
+        "body": [{"name": "machine", "mass": m, "inertia": [1, 1, 1], "hinge": hinge}],
+        "force": [{"name": "shake", "type": "load", "on": "machine", "force": [0, 0, 0]}],
+        "output": [{"name": "floor", "type": "reaction", "of": "machine", "component": "fz"}],
+    }
+    linear = stillpoint.describe(machine).linearize(inputs=["shake.force[2]"], outputs=["floor"])
+    hz = np.array([0.1, 2.0, 2.5, 30.0])
+    s = 2j * np.pi * hz
+    assert linear.response(hz)[:, 0, 0] == pytest.approx(-(k + c * s) / (m * s**2 + c * s + k), rel=1e-9)
+    none = stillpoint.describe(machine).linearize(inputs=[], outputs=[])
+    assert none.B.shape == (2, 0) and none.C.shape == (0, 2)
 
 
 def test_states_that_loops_do_not_agree_with_are_refused():

@@ -119,14 +119,18 @@ def test_problems_come_with_line_and_caret():
     assert "did you mean `mass`" in str(caught.value) and "scene.toml:3:1" in str(caught.value)
     with pytest.raises(stillpoint.SceneError, match="did you mean"):
         stillpoint.describe(PENDULUM).with_set({"bob.masss": 1.0})
-    with pytest.raises(OSError):
+    with pytest.raises(FileNotFoundError, match="no scenario"):
         stillpoint.load("there/is/none.toml")
+    with pytest.raises(IsADirectoryError):
+        stillpoint.load(SCENARIOS)
 
 
 def test_wrong_numbers_are_named():
     dynamics = stillpoint.describe(PENDULUM).dynamics()
     with pytest.raises(ValueError, match="`q` has 2 numbers, the scene 1"):
         dynamics.acceleration([0, 1], [0])
+    with pytest.raises(TypeError, match="none complex"):
+        dynamics.acceleration(np.array([0.1 + 1j]), [0])
     with pytest.raises(ValueError, match=r"`v\[0\]` is nan|`v\[0\]` is NaN"):
         dynamics.acceleration([0], [math.nan])
     with pytest.raises(TypeError, match=r"`q` is \['a'\] \(type `list`\), expected: a list of 1 numbers"):

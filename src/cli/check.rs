@@ -1,5 +1,6 @@
 //! `check`: validate only.
 
+use super::number::count;
 use super::{Exit, conditioning, output};
 use crate::contact::pairs::Pairs;
 use crate::import::{Imported, Taken, counted, ignored_kinds};
@@ -32,10 +33,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     for path in &arguments.scenarios {
         let name = path.display().to_string();
         let mut models = Vec::new();
+        let mut warnings = 0;
         let errors = match load_with(path, &overrides) {
             Ok(scenario) => {
-                if !arguments.quiet && !scenario.warnings.is_empty() {
-                    output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
+                warnings = scenario.warnings.len();
+                if !arguments.quiet && warnings > 0 {
+                    output::note(scenario.warnings.findings(output::errors_in_color()).trim_end());
                 }
                 if !arguments.quiet {
                     // Nothing but a picture needs them, so other commands do not look.
@@ -73,7 +76,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         };
         wrong += usize::from(errors > 0);
         if !arguments.json && !arguments.quiet && errors == 0 {
-            output::print(&format!("{name}: {}", output::verdict("fine", true)))?;
+            let but = match warnings {
+                0 => String::new(),
+                some => format!(", but for {}", count(some, "warning", "warnings")),
+            };
+            output::print(&format!("{name}: {}{but}", output::verdict("fine", true)))?;
         }
         results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors, "models": models }));
     }

@@ -2,6 +2,7 @@
 
 mod bode;
 mod files;
+mod response;
 
 use super::inputs::Inputs;
 use super::palette::Theme;
@@ -45,6 +46,16 @@ pub(super) struct Arguments {
     /// Also the equations from step to step (s), inputs held constant over each
     #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
     discretize: Option<f64>,
+    /// Also how much outputs swing at these frequencies (Hz), and by how much later: by one of each input, of drives by how far they move
+    #[arg(long, value_name = "HZ", value_parser = frequency, value_delimiter = ',', allow_negative_numbers = true)]
+    response: Vec<f64>,
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        _ => Err("a frequency in Hz is wanted, at least 0".to_owned()),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -79,8 +90,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             (of_equilibrium(&model, &found), idle_stops(&model, &found))
         }
     };
-    let found = about(&scenario.description, &model, (&place, &idle), &arguments.input, &arguments.output)
-        .with_context(|| scenario.name.clone())?;
+    let [input, output] = [&arguments.input, &arguments.output].map(|names| (!names.is_empty()).then_some(&names[..]));
+    let found =
+        about(&scenario.description, &model, (&place, &idle), input, output).with_context(|| scenario.name.clone())?;
     if !common.quiet {
         found.notes.iter().for_each(|note| output::note(note));
     }
@@ -88,7 +100,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let title = if model.title.is_empty() { &scenario.name } else { &model.title };
     let picture = |path| pixels::by_name(path)?(bode::draw(&found, title, arguments.theme)?);
     let picture = arguments.bode.as_deref().map(picture).transpose()?;
-    let answer = answer(&model, &place, &found, arguments.discretize);
+    let mut answer = answer(&model, &place, &found, arguments.discretize);
+    let swings = response::swings(&found, &arguments.response);
+    if !swings.is_empty() {
+        answer["response"] = response::json(&swings);
+    } else if !arguments.response.is_empty() {
+        bail!("{}: `--response` is from an input to an output, and there is none", scenario.name);
+    }
     if let Some((path, format)) = arguments.out.as_deref().zip(format) {
         output::save(path, &format.bytes(&found, arguments.discretize, &answer)?)?;
     }
@@ -98,12 +116,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if common.json {
         output::print(&answer.to_string())?;
     } else if !common.quiet {
-        output::print(&report(&model, &scenario.name, &found))?;
+        output::print(&(report(&model, &scenario.name, &found) + &response::lines(&swings)))?;
     }
     Ok(Exit::Done)
 }
 
-/// The equations about an equilibrium, from inputs (all motors of type `input` if none is named) to outputs (all if none is named).
+/// The equations about an equilibrium, from inputs (`None`: all motors of type `input`) to outputs (`None`: all).
 ///
 /// # Errors
 /// An input or output that is not known, or a scene that cannot be linearized.
@@ -111,8 +129,8 @@ pub(super) fn about_equilibrium(
     description: &Description,
     model: &Arc<Model>,
     found: &Equilibrium,
-    input: &[String],
-    output: &[String],
+    input: Option<&[String]>,
+    output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
     about(description, model, (&of_equilibrium(model, found), &idle_stops(model, found)), input, output)
 }
@@ -125,8 +143,8 @@ pub(super) fn about_state(
     description: &Description,
     model: &Arc<Model>,
     (time, state): (f64, State),
-    input: &[String],
-    output: &[String],
+    input: Option<&[String]>,
+    output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
     about(description, model, (&of_state(time, state), &[]), input, output)
 }
@@ -140,19 +158,18 @@ fn about(
     description: &Description,
     model: &Arc<Model>,
     (place, idle): (&Place, &[String]),
-    input: &[String],
-    output: &[String],
+    input: Option<&[String]>,
+    output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
-    for name in output {
+    for name in output.unwrap_or_default() {
         if !model.outputs.iter().any(|output| output.name == *name) {
             let known = model.outputs.iter().map(|output| output.name.as_str());
             let near = crate::suggest::closest(name, known).map(|near| format!("; did you mean `{near}`?"));
             bail!("the scenario has no output `{name}`{}", near.unwrap_or_default());
         }
     }
-    let asked = (!output.is_empty()).then_some(output);
-    let mut found = linear::linearize(model, place, &inputs(input, description, model)?, asked)?;
-    if let Some(name) = found.idle.first().filter(|_| !input.is_empty()) {
+    let mut found = linear::linearize(model, place, &inputs(input, description, model)?, output)?;
+    if let Some(name) = found.idle.first().filter(|_| input.is_some()) {
         bail!(
             "nothing feels the input `{name}`: at this place it pushes what is locked, held by a stop or a drive, or across all \
              motions that there are"
@@ -209,10 +226,10 @@ fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
     }
 }
 
-fn inputs(named: &[String], description: &Description, model: &Model) -> anyhow::Result<Vec<Input>> {
+fn inputs(named: Option<&[String]>, description: &Description, model: &Model) -> anyhow::Result<Vec<Input>> {
     let motors = description.motors.iter().filter(|motor| matches!(motor.law, MotorLawDescription::Input { .. }));
     let own: Vec<String> = motors.map(|motor| motor.name.clone()).collect();
-    let names = if named.is_empty() { &own[..] } else { named };
+    let names = named.unwrap_or(&own);
     let mut all: Vec<Input> = Vec::new();
     for name in names {
         let found = Input::find(description, model, name).map_err(|unfit| {

@@ -230,8 +230,8 @@ pub fn fit_answer(fit: &crate::study::fit::Fit) -> serde_json::Value {
     study::fit_json(fit)
 }
 
-/// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to
-/// outputs by their names (all without).
+/// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (`None`: all motors of type `input`) to
+/// outputs by their names (`None`: all).
 ///
 /// # Errors
 /// An input or output that is not known, or a scene that cannot be linearized.
@@ -242,8 +242,7 @@ pub fn linearize_about(
     inputs: Option<Vec<String>>,
     outputs: Option<Vec<String>>,
 ) -> anyhow::Result<StateSpace> {
-    let [inputs, outputs] = [inputs, outputs].map(Option::unwrap_or_default);
-    linearize::about_equilibrium(description, model, found, &inputs, &outputs)
+    linearize::about_equilibrium(description, model, found, inputs.as_deref(), outputs.as_deref())
 }
 
 /// These equations about a state as it stands, as `linearize --start` has them; `time` in s.
@@ -257,8 +256,7 @@ pub fn linearize_at(
     inputs: Option<Vec<String>>,
     outputs: Option<Vec<String>>,
 ) -> anyhow::Result<StateSpace> {
-    let [inputs, outputs] = [inputs, outputs].map(Option::unwrap_or_default);
-    linearize::about_state(description, model, (time, state), &inputs, &outputs)
+    linearize::about_state(description, model, (time, state), inputs.as_deref(), outputs.as_deref())
 }
 
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is

@@ -42,6 +42,9 @@ pub(super) struct Arguments {
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
+    /// What the page says it was made by, in place of this command
+    #[arg(long, hide = true, value_name = "TEXT")]
+    called: Option<String>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
@@ -49,10 +52,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         bail!("`{}`: the name of a report ends in .html", arguments.out.display());
     }
     Inputs::new([arguments.source.as_path()]).spare(&arguments.out)?;
-    let material = match arguments.gather()? {
+    let mut material = match arguments.gather()? {
         Ok(material) => material,
         Err(exit) => return Ok(exit),
     };
+    material.called.clone_from(&arguments.called);
     let page = write(&material, &arguments.out)?;
     if !arguments.quiet {
         page.notes.iter().for_each(|note| output::note(note));

@@ -106,8 +106,8 @@ fn lack(part: f64) -> String {
     if part < 1e-4 { significant(100.0 * part, 2) } else { percent(part) }
 }
 
-/// The lines of a report.
-pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
+/// The lines of a report; `elsewhere` if what does not stand as given has an equilibrium at another pose.
+pub(super) fn text(model: &Model, standing: &StandingReport, elsewhere: bool) -> String {
     let mut out = String::new();
     let bears = standing.contacts.iter().filter(|one| one.force.norm() > 0.0).count();
     let on = match (standing.contacts.is_empty(), standing.friction.len()) {
@@ -136,6 +136,9 @@ pub(super) fn text(model: &Model, standing: &StandingReport) -> String {
             "  {said}       {on}{stresses}: it stands only if it has been squeezed, with at least {} N",
             number(standing.squeeze.unwrap_or(0.0))
         ),
+        Verdict::Falls if elsewhere => {
+            writeln!(out, "  as given     it {said}: supports lack {} % of the loads", lack(-standing.slack))
+        }
         Verdict::Falls => writeln!(out, "  {said}        supports lack {} % of the loads", lack(-standing.slack)),
     };
     let gives = standing.mechanism.as_ref().map(ToString::to_string).unwrap_or_default();

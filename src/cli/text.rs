@@ -134,7 +134,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     let _ = writeln!(out, "{}", found_by(found, wall));
     let _ = writeln!(out, "  residual     {}", residual(model, found));
     if let Some(standing) = &found.standing {
-        out += &super::standing::text(model, standing);
+        out += &super::standing::text(model, standing, found.converged);
     }
     if let Some(stability) = &found.stability {
         modes(&mut out, stability);

@@ -44,7 +44,7 @@ pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
 pub use crate::constraint::{HeldRow, RowSelection};
-use crate::force::Act;
+use crate::force::{Act, Force, Law};
 use crate::model::Model;
 use crate::model::motor::Push;
 use crate::model::problem::number;
@@ -280,6 +280,16 @@ impl System {
     /// within its limit. At first what the scene gives them.
     pub fn inputs(&mut self) -> &mut [f64] {
         &mut self.laws.inputs
+    }
+
+    /// The force elements, in the order of the model.
+    pub(crate) fn forces(&self) -> &[Force] {
+        &self.laws.forces
+    }
+
+    /// Puts another law in the place of a force element's, from now on.
+    pub(crate) fn set_force(&mut self, element: usize, law: Law) {
+        Arc::make_mut(&mut self.laws.forces)[element].law = law;
     }
 
     /// The time at which drives, motors, loads and masses are looked at (s); nothing else depends on time.

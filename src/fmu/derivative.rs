@@ -10,10 +10,14 @@
 use super::FmuError;
 use crate::dynamics::{Fault, Powers, System};
 use crate::linear::Input;
-use crate::model::Model;
+use crate::model::output::{EnergyKind, SectionQuantity, Source};
+use crate::model::{Model, Quantity};
 use crate::output::{Given, Outputs, Varied};
 use crate::simulator::Simulator;
 use std::sync::Arc;
+
+/// A time (s), positions and velocities.
+type At<'a> = (f64, [&'a [f64]; 2]);
 
 /// `∂y/∂u · seed` of every number of the outputs; not a number for one whose variation is not known. A limit of a motor that is
 /// reached holds its force.
@@ -25,21 +29,22 @@ pub(super) fn of_outputs(simulator: &Simulator, seed: &[f64]) -> Result<Vec<f64>
     let (q, v) = (&now.state.position[..], &now.state.velocity[..]);
     let mut a = vec![0.0; v.len()];
     system.at(now.time, q, v).accelerations(&mut a)?;
-    let answer = accelerations(&mut system, [q, v], now.time, &a, seed)?;
+    let place = (now.time, [q, v]);
+    let answer = along(&mut system, place, seed, a.len(), |_, a| Ok(a.to_vec()))?;
     let Some(mut outputs) = Outputs::new(&model) else { return Ok(Vec::new()) };
-    let mut at = system.at(now.time, q, v);
-    at.share_multipliers()?;
-    let energies = at.energies();
-    let mut residual = vec![0.0; v.len()];
-    let balanced = at.residual(&a, &mut residual)?;
-    let mut reactions = Vec::new();
-    balanced.reactions(&mut reactions);
-    let (stops, account, powers) = (&vec![0.0; v.len()][..], [0.0; 2], Powers::default());
-    let given = Given { accelerations: &a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
-    outputs.evaluate(&balanced, &given)?;
     let zero = vec![0.0; v.len()];
-    let by = Varied { time: 0.0, position: &zero, velocity: &zero, acceleration: &answer };
-    let mut varied = outputs.vary(&balanced, &given, &by).to_vec();
+    let mut by = Varied { time: 0.0, position: &zero, velocity: &zero, acceleration: &answer, others: &[] };
+    let mut varied = look(&mut system, &mut outputs, place, &a, Some(&by))?;
+    if varied.iter().any(|x| x.is_nan()) {
+        // Beside the chain rule: these are affine in inputs, too, as far as they are known.
+        let mut others =
+            along(&mut system, place, seed, varied.len(), |system, a| look(system, &mut outputs, place, a, None))?;
+        for output in model.outputs.iter().filter(|output| !is_affine(&output.quantity)) {
+            others[output.range()].fill(f64::NAN);
+        }
+        by.others = &others;
+        varied = look(&mut system, &mut outputs, place, &a, Some(&by))?;
+    }
     // What an input pushes with is no acceleration: the chain (2) does not have it.
     let moving = (0..seed.len()).filter(|place| seed[*place] != 0.0).map(|place| input(&model, place));
     for input in moving {
@@ -75,15 +80,53 @@ fn smooth(model: &Model, q: &[f64]) -> Result<(), FmuError> {
     }
 }
 
-/// `∂q̈/∂u · seed` by (1), from `q̈(u)`.
-fn accelerations(
+/// Whether what an output is by itself is affine in what inputs push with: what it is by positions and velocities alone does not change.
+/// Ledgers and what contacts bear are not known here.
+fn is_affine(quantity: &Quantity) -> bool {
+    match quantity {
+        Quantity::Force(force) => !matches!(force.source, Source::Contact(_) | Source::Stops(_)),
+        Quantity::Energy(kind) => matches!(kind, EnergyKind::Kinetic | EnergyKind::Potential),
+        Quantity::Section(section) => section.component != Some(SectionQuantity::STRESS),
+        Quantity::Reaction(_) | Quantity::Length(_) => true,
+        _ => false,
+    }
+}
+
+/// The outputs with these accelerations, which are the last that the system solved for; or how they vary.
+fn look(
     system: &mut System,
-    [q, v]: [&[f64]; 2],
-    time: f64,
-    here: &[f64],
-    seed: &[f64],
+    outputs: &mut Outputs,
+    (time, [q, v]): At<'_>,
+    a: &[f64],
+    by: Option<&Varied<'_>>,
 ) -> Result<Vec<f64>, Fault> {
-    let (mut answer, mut there) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+    let mut at = system.at(time, q, v);
+    at.share_multipliers()?;
+    let energies = at.energies();
+    let mut residual = vec![0.0; v.len()];
+    let balanced = at.residual(a, &mut residual)?;
+    let mut reactions = Vec::new();
+    balanced.reactions(&mut reactions);
+    let (stops, account, powers) = (&vec![0.0; v.len()][..], [0.0; 2], Powers::default());
+    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
+    let values = outputs.evaluate(&balanced, &given)?.to_vec();
+    Ok(by.map_or(values, |by| outputs.vary(&balanced, &given, by).to_vec()))
+}
+
+/// `∂y/∂u · seed` by (1) of the `count` numbers that `of` makes of the accelerations `q̈(u)`.
+fn along(
+    system: &mut System,
+    (time, [q, v]): At<'_>,
+    seed: &[f64],
+    count: usize,
+    mut of: impl FnMut(&mut System, &[f64]) -> Result<Vec<f64>, Fault>,
+) -> Result<Vec<f64>, Fault> {
+    let (mut answer, mut a) = (vec![0.0; count], vec![0.0; v.len()]);
+    let mut told = |system: &mut System| {
+        system.at(time, q, v).accelerations(&mut a)?;
+        of(system, &a)
+    };
+    let here = told(system)?;
     for place in (0..seed.len()).filter(|place| seed[*place] != 0.0) {
         let model = Arc::clone(system.model());
         let limit = model.motors[model.inputs[place]].limit();
@@ -98,12 +141,13 @@ fn accelerations(
             false => before + before.abs().max(1.0),
         };
         system.inputs()[place] = other;
-        system.at(time, q, v).accelerations(&mut there)?;
+        let there = told(system)?;
         system.inputs()[place] = before;
         let rate = seed[place] / (other - before);
-        for ((sum, there), here) in answer.iter_mut().zip(&there).zip(here) {
+        for ((sum, there), here) in answer.iter_mut().zip(&there).zip(&here) {
             *sum += rate * (there - here);
         }
     }
+    told(system)?;
     Ok(answer)
 }

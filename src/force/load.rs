@@ -130,6 +130,12 @@ impl LoadLaw {
         Self { on, force, torque: Vector3::zeros(), follows: false, over_time: None, factor: 1.0 }
     }
 
+    /// What it is now, with a force (N) and a torque (N m) more, in the axes in which it is constant.
+    pub fn with(&self, [force, torque]: [Vector3<f64>; 2]) -> Self {
+        let (force, torque) = (self.factor * self.force + force, self.factor * self.torque + torque);
+        Self { on: self.on, force, torque, follows: self.follows, over_time: None, factor: 1.0 }
+    }
+
     /// Where it acts, force (N) and torque (N m), and whether they turn with the link; `None` if they change over time.
     pub(super) fn numbers(&self) -> Option<(End, [Vector3<f64>; 2], bool)> {
         self.over_time.is_none().then_some((self.on, [self.force, self.torque], self.follows))

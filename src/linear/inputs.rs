@@ -1,5 +1,6 @@
 //! What pushes a scene from outside: forces in coordinates, components of loads, targets of drives.
 
+use crate::force::Act;
 use crate::model::description::{Description, ForceKind, LoadAxes};
 use crate::model::output::Source;
 use crate::model::parameter::Field;
@@ -134,15 +135,18 @@ impl Input {
 
     /// Axes in which a load's components are given, inertial axes.
     pub(super) fn load_axes(&self, model: &Model, link: &LinkMotion) -> Matrix3<f64> {
-        match *self {
-            Self::Load { element, follows: true, .. } => {
-                use crate::force::Act;
-                let body = model.forces[element].law.ends()[0].body;
-                let turn = body.map(|body| model.bodies[body].link_from_body.rotation.to_rotation_matrix());
-                link.turn * turn.map_or_else(Matrix3::identity, nalgebra::Rotation3::into_inner)
-            }
+        match self {
+            Self::Load { follows: true, .. } => link.turn * self.own_axes(model),
             _ => Matrix3::identity(),
         }
+    }
+
+    /// These axes, seen from those in which the load is constant: inertial ones or its link's.
+    pub(super) fn own_axes(&self, model: &Model) -> Matrix3<f64> {
+        let Self::Load { element, follows: true, .. } = *self else { return Matrix3::identity() };
+        let body = model.forces[element].law.ends()[0].body;
+        let turn = body.map(|body| model.bodies[body].link_from_body.rotation.to_rotation_matrix());
+        turn.map_or_else(Matrix3::identity, nalgebra::Rotation3::into_inner)
     }
 
     /// Whether an output is what this input pushes with, or may follow from it.

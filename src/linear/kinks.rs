@@ -79,7 +79,7 @@ pub(super) fn kinks(
 }
 
 /// What a step along a motion is measured in: it moves a coordinate by 1 rad, or by the scene's length, at most.
-fn reach(model: &Model, along: &[f64]) -> f64 {
+pub(super) fn reach(model: &Model, along: &[f64]) -> f64 {
     let mut unit = vec![1.0; along.len()];
     model.lengths().for_each(|i| unit[i] = model.length_scale());
     1.0 / along.iter().zip(&unit).map(|(z, unit)| (z / unit).abs()).fold(f64::MIN_POSITIVE, f64::max)

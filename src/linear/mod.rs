@@ -10,17 +10,20 @@
 //! (3)  a ball that turns with ω:  φ̇ = δω − ω × φ
 //! ```
 //!
-//! Nothing is a difference: `K`, `D`, `M` are the transfer equations differentiated, `C` and `D` the outputs by the chain
-//! rule ([`Outputs::vary`](crate::output::Outputs::vary)) along `δq`, `δq̇`, and `δq̈` by (1).
+//! `K`, `D`, `M` are the transfer equations differentiated, `C` and `D` the outputs by the chain rule
+//! ([`Outputs::vary`](crate::output::Outputs::vary)) along `δq`, `δq̇`, and `δq̈` by (1). What hinges, rows and sections pass on follows by
+//! extrapolated differences along the same directions (`forces`).
 
 mod basis;
 mod discrete;
+mod forces;
 mod inputs;
 mod kinks;
 
 pub use discrete::hold;
 pub use inputs::{Input, Unfit};
 
+use crate::constraint::Constraints;
 use crate::dynamics::{Fault, Linearization, Powers, System};
 use crate::force::Act;
 use crate::model::{Model, StopLaw};
@@ -29,6 +32,7 @@ use crate::output::{Given, Outputs, Varied};
 use basis::Basis;
 use faer::linalg::solvers::Solve;
 pub use faer::{Mat, c64};
+use forces::{Along, Beside, Stopped};
 use std::sync::Arc;
 
 /// A place about which a scene is linearized.
@@ -103,7 +107,8 @@ pub enum LinearError {
     },
     /// The variation of an output is not known.
     #[error(
-        "the variation of the output `{0}` is not known: of reactions, of forces of loops, drives, gears and stops, of energies and powers, and of what kinks there"
+        "the variation of the output `{0}` is not known: of energies and powers, of forces of contacts, of those \
+         that are shared by more rows than move anything, and of what kinks there"
     )]
     Output(String),
     /// An output that is the input itself.
@@ -150,6 +155,7 @@ pub fn linearize(
         a.fill(0.0);
         system.set_multipliers(multipliers);
     }
+    let multipliers = system.constraints().map_or_else(Vec::new, Constraints::independent_multipliers);
     let mut at = system.at(place.time, q, v);
     let rows = at.constraint_matrix();
     let mut linear = at.linearize(&a)?;
@@ -163,7 +169,9 @@ pub fn linearize(
         let (by_position, _) = at.acceleration_jacobians()?;
         motion.accelerating(&basis, &by_position);
     }
-    let told = tell(&mut system, place, &a, &basis, &motion, inputs, outputs)?;
+    system.set_multipliers(&multipliers);
+    let about = (&basis, &linear, &rows);
+    let told = tell(&mut system, (place, &a), about, (&motion, &multipliers), inputs, outputs)?;
     let mut notes = Vec::new();
     let felt = kinks::kinks(&mut system, place, &a, &basis, &linear)?;
     if !felt.is_empty() {
@@ -343,12 +351,38 @@ struct Told {
     left_out: Vec<String>,
 }
 
+/// The variations of all numbers of the outputs along each direction; `others` has those that the caller knows.
+fn vary(
+    system: &mut System,
+    outputs: &mut Outputs,
+    (place, a): (&Place, &[f64]),
+    directions: &[[Vec<f64>; 3]],
+    (stopped, others): (&Stopped, &[Vec<f64>]),
+) -> Result<Vec<Vec<f64>>, Fault> {
+    let mut at = system.at(place.time, &place.position, &place.velocity);
+    at.share_multipliers()?;
+    let mut energies = at.energies();
+    energies.potential += stopped.energy;
+    let mut residual = vec![0.0; a.len()];
+    let balanced = at.residual(a, &mut residual)?;
+    let mut reactions = Vec::new();
+    balanced.reactions(&mut reactions);
+    let (stops, account, powers) = (&stopped.stops[..], [0.0; 2], Powers::default());
+    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
+    outputs.evaluate(&balanced, &given)?;
+    let along = |(j, [position, velocity, acceleration]): (usize, &[Vec<f64>; 3])| {
+        let others = others.get(j).map_or(&[][..], |others| &others[..]);
+        let by = Varied { time: 0.0, position, velocity, acceleration, others };
+        outputs.vary(&balanced, &given, &by).to_vec()
+    };
+    Ok(directions.iter().enumerate().map(along).collect())
+}
+
 fn tell(
     system: &mut System,
-    place: &Place,
-    a: &[f64],
-    basis: &Basis,
-    motion: &StateMatrices,
+    (place, a): (&Place, &[f64]),
+    (basis, linear, rows): (&Basis, &Linearization, &Mat<f64>),
+    (motion, multipliers): (&StateMatrices, &[f64]),
     inputs: &[Input],
     asked: Option<&[String]>,
 ) -> Result<Told, LinearError> {
@@ -357,27 +391,26 @@ fn tell(
     let empty =
         Told { c: Mat::zeros(0, states), d: Mat::zeros(0, inputs.len()), outputs: Vec::new(), left_out: Vec::new() };
     let Some(mut outputs) = Outputs::new(model) else { return Ok(empty) };
-    let mut at = system.at(place.time, &place.position, &place.velocity);
-    at.share_multipliers()?;
-    let energies = at.energies();
-    let mut residual = vec![0.0; a.len()];
-    let balanced = at.residual(a, &mut residual)?;
-    let mut reactions = Vec::new();
-    balanced.reactions(&mut reactions);
-    let (stops, account, powers) = (&[][..], [0.0; 2], Powers::default());
-    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
-    outputs.evaluate(&balanced, &given)?;
     let spread = |column: &dyn Fn(usize) -> f64| -> Vec<f64> {
         (0..a.len()).map(|i| (0..count).map(|k| basis.columns[(i, k)] * column(k)).sum()).collect()
     };
-    let mut all: Vec<Vec<f64>> = Vec::new();
-    for j in 0..states + inputs.len() {
-        let unit = |k: usize| f64::from(u8::from(k == j));
-        let position = spread(&|k| unit(k));
-        let velocity = spread(&|k| unit(count + k));
-        let acceleration: Vec<f64> = (0..a.len()).map(|i| motion.answers[(i, j)]).collect();
-        let by = Varied { time: 0.0, position: &position, velocity: &velocity, acceleration: &acceleration };
-        all.push(outputs.vary(&balanced, &given, &by).to_vec());
+    let directions: Vec<[Vec<f64>; 3]> = (0..states + inputs.len())
+        .map(|j| {
+            let unit = |k: usize| f64::from(u8::from(k == j));
+            let acceleration = (0..a.len()).map(|i| motion.answers[(i, j)]).collect();
+            [spread(&|k| unit(k)), spread(&|k| unit(count + k)), acceleration]
+        })
+        .collect();
+    let mut all = vary(system, &mut outputs, (place, a), &directions, (&Stopped::default(), &[]))?;
+    if let Some(beside) = Beside::new(system, &mut outputs, (place, a), (basis, linear, rows), multipliers, &all)? {
+        let mut others = Vec::with_capacity(directions.len());
+        for (j, [position, velocity, acceleration]) in directions.iter().enumerate() {
+            let input = j.checked_sub(states).map(|input| &inputs[input]);
+            let along = Along { position, velocity, acceleration, input };
+            others.push(beside.vary(system, &mut outputs, &along, all[j].len())?);
+        }
+        system.set_multipliers(multipliers);
+        all = vary(system, &mut outputs, (place, a), &directions, (&beside.stopped_here(model), &others))?;
     }
     let mut told = Vec::new();
     let mut left_out = Vec::new();

@@ -98,8 +98,8 @@ impl Outputs {
         Ok(&self.values[1..])
     }
 
-    /// The variations (1) of all outputs in one direction, after [`Outputs::evaluate`] at the same place; not a number for
-    /// one whose variation is not known: of what loops, drives, gears, stops and hinges pass on, of energies and powers, and of
+    /// The variations (1) of all outputs in one direction, after [`Outputs::evaluate`] at the same place; what [`Varied::others`] has for
+    /// one whose variation is not known, or not a number: of what loops, drives, gears, stops and hinges pass on, of energies and powers, and of
     /// an angle without sign between parallel directions.
     pub fn vary(&mut self, balanced: &Balanced<'_>, given: &Given<'_>, by: &Varied<'_>) -> &[f64] {
         let model = balanced.system().model();
@@ -114,7 +114,10 @@ impl Outputs {
             let own = &mut self.scratch[..output.units.len()];
             let variation = Variation { links: &self.links, by, values: &self.variations };
             if !measure(&output.quantity).vary(&at, &variation, own) {
-                own.fill(f64::NAN);
+                match by.others.get(output.range()) {
+                    Some(others) => own.copy_from_slice(others),
+                    None => own.fill(f64::NAN),
+                }
             }
             self.variations[output.first + 1..][..own.len()].copy_from_slice(own);
         }

@@ -37,6 +37,8 @@ pub struct Varied<'a> {
     pub velocity: &'a [f64],
     /// δq̈; empty where it is not known: variations of accelerations are not known then.
     pub acceleration: &'a [f64],
+    /// Variations of all numbers of the outputs as the caller knows them, for those that cannot be had here; empty if none is.
+    pub others: &'a [f64],
 }
 
 /// A place at which outputs are evaluated.

@@ -80,12 +80,13 @@ impl Diagnostics {
         self.list.iter().filter(|one| one.severity == Severity::Error).count()
     }
 
-    /// As text for people: the first [`MOST_PRINTED`] findings, errors first, then a line that counts them all. With
-    /// `color` it holds ANSI escape codes.
+    /// As text for people: the [findings](Self::findings), then a line that counts them all.
     pub fn render(&self, color: bool) -> String {
-        if self.list.is_empty() {
-            return String::new();
-        }
+        if self.list.is_empty() { String::new() } else { self.findings(color) + &self.summary() }
+    }
+
+    /// As text for people: the first [`MOST_PRINTED`] findings, errors first. With `color` it holds ANSI escape codes.
+    pub fn findings(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         let mut shown: Vec<&Diagnostic> = self.list.iter().collect();
         shown.sort_by_key(|one| one.severity);
@@ -97,7 +98,7 @@ impl Diagnostics {
         if shown.len() > MOST_PRINTED {
             text += &format!("and {} more\n", shown.len() - MOST_PRINTED);
         }
-        text + &self.summary()
+        text
     }
 
     /// `scene.toml: 2 errors, 1 warning`

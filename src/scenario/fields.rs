@@ -194,5 +194,11 @@ impl Key {
 
 /// `` `a`, `b`, `c` ``
 pub(super) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    let mut seen = Vec::new();
+    for name in names.map(|name| format!("`{name}`")) {
+        if !seen.contains(&name) {
+            seen.push(name);
+        }
+    }
+    seen.join(", ")
 }

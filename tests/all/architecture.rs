@@ -18,6 +18,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
     ("round_off", &[]),
+    ("extrapolate", &[]),
     ("spatial", &["round_off"]),
     ("sparse", &[]),
     ("integrate", &[]),
@@ -42,7 +43,21 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial", "round_off"],
     ),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
-    ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest", "round_off"]),
+    (
+        "linear",
+        &[
+            "constraint",
+            "model",
+            "motion",
+            "force",
+            "dynamics",
+            "extrapolate",
+            "output",
+            "spatial",
+            "suggest",
+            "round_off",
+        ],
+    ),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
     // `hinge` for what loops lock, `suggest` for names of outputs.
     (
@@ -55,6 +70,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "force",
             "constraint",
             "dynamics",
+            "extrapolate",
             "output",
             "suggest",
             "transfer",

@@ -232,7 +232,7 @@ fn outputs_at_a_stop_have_what_it_pushes_with() {
 #[test]
 fn names_that_clash_and_addresses_of_nothing_are_said() {
     let text = "[simulate]\nstart = \"given\"\n[[body]]\nname = \"arm\"\nmass = 1.0\ninertia = [1, 1, 1]\n\
-                hinge = { type = \"revolute\", axis = [0, 1, 0] }\n[[output]]\nname = \"arm.angle\"\ntype = \"coordinate\"\nof = \"arm\"\n";
+                hinge = { type = \"revolute\", axis = [0, 1, 0] }\n[[output]]\nname = \"arm.mass\"\ntype = \"coordinate\"\nof = \"arm\"\n";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     fs::write(&path, text).unwrap();
@@ -243,9 +243,9 @@ fn names_that_clash_and_addresses_of_nothing_are_said() {
         let answer = answer.unwrap();
         (answer.status.code(), String::from_utf8(answer.stderr).unwrap(), String::from_utf8(answer.stdout).unwrap())
     };
-    let (code, error, _) = call(&[]);
-    assert!(code == Some(2) && error.contains("`arm.angle` is a hinge coordinate and an output"), "{error}");
-    fs::write(&path, text.replace("\"arm.angle\"", "\"a < b & c\"")).unwrap();
+    let (code, error, _) = call(&["--parameter", "arm.mass"]);
+    assert!(code == Some(2) && error.contains("`arm.mass` is a parameter and an output"), "{error}");
+    fs::write(&path, text.replace("\"arm.mass\"", "\"a < b & c\"")).unwrap();
     let (code, _, description) = call(&["--parameter", "arm.mass"]);
     assert!(code == Some(0) && description.contains("name=\"a &lt; b &amp; c\""), "{description}");
     assert!(description.contains("name=\"arm.mass\" valueReference=\"1\" causality=\"parameter\""), "{description}");

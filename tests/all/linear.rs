@@ -62,6 +62,20 @@ pub(crate) fn scene(seed: u64, tied: bool) -> Description {
     scene.outputs.push(OutputDescription::new("f", of));
     let text = "d * {v[1]} + {x[0]}^2".to_owned();
     scene.outputs.push(OutputDescription::new("e", QuantityDescription::Expression { text, unit: "m".into() }));
+    // What is passed on.
+    for (name, body, axes) in [("r", "b0", Axes::Inertial), ("s", "b1", Axes::Body)] {
+        let of = QuantityDescription::Reaction { body: body.to_owned(), component: None, axes };
+        scene.outputs.push(OutputDescription::new(name, of));
+    }
+    let rows: Vec<String> = (scene.loops.iter().map(|one| one.name.clone()))
+        .chain(scene.drives.iter().map(|one| one.name.clone()))
+        .collect();
+    for of in rows {
+        let name = format!("of {of}");
+        scene.outputs.push(OutputDescription::new(&name, QuantityDescription::Force { of, component: None }));
+    }
+    let text = "{r[0]} * {s[4]} + {x[0]}".to_owned();
+    scene.outputs.push(OutputDescription::new("p", QuantityDescription::Expression { text, unit: "N2".into() }));
     scene
 }
 
@@ -219,7 +233,8 @@ fn inputs_are_felt_as_forces_are() {
         let axes = if seed % 2 == 0 { LoadAxes::Inertial } else { LoadAxes::Body };
         let load = Load { on, force: zero, torque: zero, axes, over_time: None };
         description.forces.push(ForceDescription { name: "push".into(), kind: load.into() });
-        description.outputs.retain(|output| output.name != "f");
+        // The one is not felt, the other a product.
+        description.outputs.retain(|output| !["f", "p"].contains(&output.name.as_str()));
         let model = build(&description);
         let velocities = description.bodies[0].hinge.kind.counts().1;
         let names = ["push.force", "push.torque", "b0.force"];
@@ -365,6 +380,19 @@ fn a_driven_base_is_felt_through_its_spring() {
         name = "both"
         type = "expression"
         expression = "pull + own"
+        [[output]]
+        name = "foot"
+        type = "reaction"
+        of = "base"
+        component = "fx"
+        [[output]]
+        name = "shaker"
+        type = "force"
+        of = "shake"
+        [[output]]
+        name = "spent"
+        type = "power"
+        of = "input"
     "#;
     let scenario = stillpoint::scenario::parse("s.toml", text, &[]).unwrap();
     let model = build(&scenario.description);
@@ -374,23 +402,28 @@ fn a_driven_base_is_felt_through_its_spring() {
     assert_eq!(names, ["mass.distance", "shake.target", "d(mass.distance)/dt", "d(shake.target)/dt"]);
     assert_eq!(
         (found.dependent.as_slice(), found.left_out.as_slice()),
-        (&["base.distance".to_owned()][..], &["carried", "own", "both"].map(str::to_owned)[..])
+        (&["base.distance".to_owned()][..], &["own", "both", "spent"].map(str::to_owned)[..])
     );
     let (k, c) = (50.0 / 2.0, 3.0 / 2.0);
     let a = [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [-k, k, -c, c], [0.0; 4]];
     let b = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.5], [1.0, 0.0]];
-    let c_rows = [[50.0, -50.0, 3.0, -3.0], [0.0; 4], [150.0, -150.0, 9.0, -9.0]];
-    let d = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
+    // The hinge of the mass passes on what the motor in it pushes with; that of the base the spring and the inertia, as the drive does.
+    let passed = [-50.0, 50.0, -3.0, 3.0];
+    let carried = [[0.0; 4]; 6];
+    let c_rows =
+        [&[[50.0, -50.0, 3.0, -3.0], [0.0; 4]][..], &carried, &[[150.0, -150.0, 9.0, -9.0], passed, passed]].concat();
+    let none = [0.0; 2];
+    let d = [&[none, [1.0, 0.0], [0.0, 1.0]][..], &[none; 6], &[[5.0, 0.0]; 2]].concat();
     let near = |m: &Mat<f64>, rows: &[&[f64]]| {
-        (0..m.nrows()).all(|i| (0..m.ncols()).all(|j| (m[(i, j)] - rows[i][j]).abs() < 1e-12))
+        (0..m.nrows()).all(|i| (0..m.ncols()).all(|j| (m[(i, j)] - rows[i][j]).abs() < 1e-11))
     };
     assert!(near(&found.a, &a.each_ref().map(|row| &row[..])), "{:?}", found.a);
     assert!(near(&found.b, &b.each_ref().map(|row| &row[..])), "{:?}", found.b);
-    assert!(near(&found.c, &c_rows.each_ref().map(|row| &row[..])), "{:?}", found.c);
-    assert!(near(&found.d, &d.each_ref().map(|row| &row[..])), "{:?}", found.d);
-    let asked = ["carried".to_owned()];
+    assert!(near(&found.c, &c_rows.iter().map(|row| &row[..]).collect::<Vec<_>>()), "{:?}", found.c);
+    assert!(near(&found.d, &d.iter().map(|row| &row[..]).collect::<Vec<_>>()), "{:?}", found.d);
+    let asked = ["spent".to_owned()];
     let error = linearize(&model, &start(&model), &[], Some(&asked)).expect_err("not known").to_string();
-    assert!(error.contains("`carried`"), "{error}");
+    assert!(error.contains("`spent`"), "{error}");
     // The response to a swinging force, by the formula of the oscillator.
     let omega = 3.0;
     let response = found.response(omega)[(0, 1)];

@@ -66,7 +66,7 @@ pub(super) fn draw(found: &StateSpace, title: &str, theme: Theme) -> anyhow::Res
 }
 
 /// The unit of an output over that of an input.
-fn quotient(output: &str, input: &str) -> String {
+pub(super) fn quotient(output: &str, input: &str) -> String {
     match input {
         "" | "1" => output.to_owned(),
         _ if input.contains(['/', ' ']) => format!("{output}/({input})"),

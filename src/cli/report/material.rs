@@ -29,6 +29,8 @@ pub(in crate::cli) struct Material {
     pub(in crate::cli) scenario: String,
     /// Version of the program that computed it.
     pub(in crate::cli) version: String,
+    /// What the page says it was made by; `None` for the words of the command line.
+    pub(in crate::cli) called: Option<String>,
     /// What `statics --json` says; null if nothing was looked for.
     pub(in crate::cli) statics: Value,
     /// What `run --json` says; null without a run.
@@ -83,6 +85,7 @@ impl Material {
             notes.push(format!("the recording is {}: this is what was kept of it", recording.ending().name()));
         }
         Ok(Self {
+            called: None,
             name: stem(path),
             scene: recording.scene.clone(),
             scenario: recording.scenario.clone(),
@@ -121,6 +124,7 @@ impl Material {
             Some(_) => None,
         };
         let mut material = Self {
+            called: None,
             name: stem(&common.scenario),
             scene: simulate::scene(&model),
             scenario: scenario.text.clone(),

@@ -133,12 +133,15 @@ fn about(material: &Material) -> String {
         None => format!("{} hinge coordinates", material.scene.positions.len()),
     };
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let command: Vec<String> = std::env::args().skip(1).map(|word| escape(&word)).collect();
+    let command = material.called.clone().unwrap_or_else(|| {
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        format!("stillpoint {}", words.join(" "))
+    });
     format!(
-        "{size}. Computed by stillpoint {} on {}: <code>stillpoint {}</code>",
+        "{size}. Computed by stillpoint {} on {}: <code>{}</code>",
         escape(&material.version),
         date(seconds),
-        command.join(" ")
+        escape(&command)
     )
 }
 

@@ -44,7 +44,7 @@ pub(crate) const NO_CORRECTION: f64 = 8.0;
 const STALLED: f64 = 32.0;
 /// If the residual rounds worse than the state (trees whose forces cancel), corrections may stall below this part of
 /// the tolerance; of a fixed step, which has no error to hide, below all of it.
-const STALLED_PARTS: [f64; 2] = [1e-3, 1.0];
+const STALLED_PARTS: [f64; 2] = [1e-2, 1.0];
 
 /// Newton's iteration for single stages, its tangent and buffers.
 #[derive(Debug)]

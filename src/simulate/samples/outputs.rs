@@ -84,7 +84,7 @@ impl StateOutputs {
         let values = self.outputs.evaluate(&balanced, &given)?;
         self.values.clear();
         self.values.extend_from_slice(values);
-        let by = Varied { time: 1.0, position: v, velocity: &self.accelerations, acceleration: &[] };
+        let by = Varied { time: 1.0, position: v, velocity: &self.accelerations, acceleration: &[], others: &[] };
         self.rates.clear();
         self.rates.extend_from_slice(self.outputs.vary(&balanced, &given, &by));
         Ok(&self.values)

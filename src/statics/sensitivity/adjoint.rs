@@ -11,8 +11,8 @@
 //! `K` is symmetric where all loads have a potential. A number costs the differences of (5) alone, an output those of its motions. What is not
 //! smooth, or not known well enough in this way, is left to the other.
 
-use super::extrapolate::derivative;
 use super::{FARTHEST, FIRST, PROVED, SMALL, Study, ZERO};
+use crate::extrapolate::derivative;
 use crate::model::Parameter;
 
 /// An error larger than this part of a derivative is left to the direct way.

@@ -8,12 +8,11 @@
 //!
 //! `c` is what loops move that change with `p` themselves, at fixed independent coordinates. `K` is factorized once, by the sweep of
 //! the transfer equations where that covers the scene; nothing but the equilibrium is solved for. Derivatives by a number
-//! are extrapolated differences at given positions (see `extrapolate`), so that every kind of number and of output counts:
+//! are extrapolated differences at given positions (see [`crate::extrapolate`]), so that every kind of number and of output counts:
 //! multipliers, reactions and what stops bear follow from the place. Along the curve of (2) forces stay balanced to first order, and
 //! that is checked: it proves (1). Where there are more numbers than motions they are taken from the other end (see `adjoint`).
 
 mod adjoint;
-mod extrapolate;
 
 use super::certify::bearing::{self, Set};
 use super::certify::equilibrium::Equilibrium;
@@ -22,13 +21,13 @@ use super::inverse::unit;
 use super::problem::assembled::Assembled;
 use super::search::curve::Family;
 use super::standing;
+use crate::extrapolate::{Derivative, derivative};
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Quantity};
 use crate::model::problem::Element;
 use crate::model::{Model, Parameter};
 use crate::suggest::closest;
 use adjoint::Adjoint;
-use extrapolate::{Derivative, derivative};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

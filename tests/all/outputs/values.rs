@@ -35,7 +35,8 @@ fn variations_are_those_of_differences_in_any_direction() {
         let mut random = Random::new(seed + 5);
         let n = model.velocity_count();
         let [position, velocity, acceleration] = [0; 3].map(|_| random.list(n, -1.0, 1.0));
-        let by = Varied { time: 0.7, position: &position, velocity: &velocity, acceleration: &acceleration };
+        let by =
+            Varied { time: 0.7, position: &position, velocity: &velocity, acceleration: &acceleration, others: &[] };
         let place = Place::start(&model);
         let (values, variations) = place.outputs(&model, &by).unwrap();
         let expected = differences(&model, &place, &by);
@@ -65,7 +66,7 @@ fn velocity_and_acceleration_are_rates() {
         let model = build(&scene(seed));
         let place = Place::start(&model);
         let none = vec![0.0; model.velocity_count()];
-        let by = Varied { time: 1.0, position: &place.v, velocity: &place.a, acceleration: &none };
+        let by = Varied { time: 1.0, position: &place.v, velocity: &place.a, acceleration: &none, others: &[] };
         let rates = differences(&model, &place, &by);
         let (values, _) = place.outputs(&model, &by).unwrap();
         let of = |name: &str| model.outputs.iter().find(|output| output.name == name).unwrap().range();

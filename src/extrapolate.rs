@@ -27,7 +27,8 @@ const KINK: f64 = 1e-6;
 
 /// A derivative, component by component.
 #[derive(Debug, Clone)]
-pub(super) struct Derivative {
+pub struct Derivative {
+    /// The extrapolated differences.
     pub value: Vec<f64>,
     /// How far the last extrapolations are apart.
     pub error: Vec<f64>,
@@ -102,7 +103,7 @@ impl Tableau {
 ///
 /// # Errors
 /// Why the function has no values on either side.
-pub(super) fn derivative(
+pub fn derivative(
     of: &mut dyn FnMut(f64) -> Result<Vec<f64>, String>,
     center: &[f64],
     first: f64,
