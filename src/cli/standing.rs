@@ -106,11 +106,10 @@ fn lack(part: f64) -> String {
     if part < 1e-4 { significant(100.0 * part, 2) } else { percent(part) }
 }
 
-/// The lines of a report; `elsewhere` if what does not stand as given has an equilibrium at another pose.
-pub(super) fn text(model: &Model, standing: &StandingReport, elsewhere: bool) -> String {
-    let mut out = String::new();
+/// What it stands on, in words.
+fn supports(standing: &StandingReport) -> String {
     let bears = standing.contacts.iter().filter(|one| one.force.norm() > 0.0).count();
-    let on = match (standing.contacts.is_empty(), standing.friction.len()) {
+    match (standing.contacts.is_empty(), standing.friction.len()) {
         (true, 0) => "and touches nothing".to_owned(),
         (true, hinges) => format!("by the friction of {}", count(hinges, "hinge", "hinges")),
         (false, 0) => format!("on {}", count(bears, "contact", "contacts")),
@@ -121,7 +120,13 @@ pub(super) fn text(model: &Model, standing: &StandingReport, elsewhere: bool) ->
                 count(hinges, "hinge", "hinges")
             )
         }
-    };
+    }
+}
+
+/// The lines of a report; `elsewhere` if what does not stand as given has an equilibrium at another pose.
+pub(super) fn text(model: &Model, standing: &StandingReport, elsewhere: bool) -> String {
+    let mut out = String::new();
+    let on = supports(standing);
     let stresses = match standing.self_stresses {
         0 => String::new(),
         n => format!(" ({})", count(n, "self-stress", "self-stresses")),
@@ -136,10 +141,10 @@ pub(super) fn text(model: &Model, standing: &StandingReport, elsewhere: bool) ->
             "  {said}       {on}{stresses}: it stands only if it has been squeezed, with at least {} N",
             number(standing.squeeze.unwrap_or(0.0))
         ),
-        Verdict::Falls if elsewhere => {
-            writeln!(out, "  as given     it {said}: supports lack {} % of the loads", lack(-standing.slack))
+        Verdict::Falls => {
+            let said = if elsewhere { format!("as given     it {said}:") } else { format!("{said}       ") };
+            writeln!(out, "  {said} supports lack {} % of the loads", lack(-standing.slack))
         }
-        Verdict::Falls => writeln!(out, "  {said}        supports lack {} % of the loads", lack(-standing.slack)),
     };
     let gives = standing.mechanism.as_ref().map(ToString::to_string).unwrap_or_default();
     let _ = match (standing.verdict, standing.friction_margin) {

@@ -2,7 +2,93 @@
 // Shows the glTF file of the page: turn, move, zoom, play. No library, nothing from a network.
 (() => {
   const $ = (id) => document.getElementById(id);
-  const bytes = (id) => Uint8Array.from(atob($(id).textContent.trim()), (c) => c.charCodeAt(0));
+
+  // --- What is packed: DEFLATE (RFC 1951), at once and in every browser ---------------------------------------------
+  // Canonical codes: how many there are of each length, and their symbols in order.
+  const codes = (lengths) => {
+    const counts = new Uint16Array(16), places = new Uint16Array(17), symbols = new Uint16Array(lengths.length);
+    lengths.forEach((length) => counts[length]++);
+    counts[0] = 0;
+    for (let length = 1; length < 16; length++) places[length + 1] = places[length] + counts[length];
+    lengths.forEach((length, symbol) => length && (symbols[places[length]++] = symbol));
+    return { counts, symbols };
+  };
+  // What lengths and distances begin at, and how many bits are added: one more every so many codes.
+  const steps = (count, each, first) => {
+    const all = [];
+    for (let code = 0, base = first; code < count; code++) {
+      const extra = code < 2 * each ? 0 : Math.floor(code / each) - 1;
+      all.push([base, extra]);
+      base += 1 << extra;
+    }
+    return all;
+  };
+  const LENGTHS = [...steps(28, 4, 3), [258, 0]], DISTANCES = steps(30, 2, 1);
+  const ORDER = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
+  const FIXED = [
+    codes(Array.from({ length: 288 }, (_, k) => (k < 144 ? 8 : k < 256 ? 9 : k < 280 ? 7 : 8))),
+    codes(new Array(30).fill(5)),
+  ];
+  const unpacked = (packed, size) => {
+    const out = new Uint8Array(size);
+    let from = 0, to = 0, held = 0, count = 0;
+    const bits = (wanted) => {
+      for (; count < wanted; count += 8) held |= packed[from++] << count;
+      const value = held & ((1 << wanted) - 1);
+      held >>>= wanted;
+      count -= wanted;
+      return value;
+    };
+    const next = ({ counts, symbols }) => {
+      for (let length = 1, code = 0, first = 0, index = 0; length < 16; length++) {
+        code |= bits(1);
+        if (code - counts[length] < first) return symbols[index + code - first];
+        index += counts[length];
+        first = (first + counts[length]) << 1;
+        code <<= 1;
+      }
+      throw new Error("the page is damaged");
+    };
+    const own = () => {
+      const [literals, distances, known] = [257 + bits(5), 1 + bits(5), 4 + bits(4)];
+      const lengths = new Array(19).fill(0);
+      for (let k = 0; k < known; k++) lengths[ORDER[k]] = bits(3);
+      const of = codes(lengths), all = [];
+      while (all.length < literals + distances) {
+        const symbol = next(of);
+        if (symbol < 16) all.push(symbol);
+        else if (symbol === 16) all.push(...new Array(3 + bits(2)).fill(all[all.length - 1]));
+        else all.push(...new Array(symbol === 17 ? 3 + bits(3) : 11 + bits(7)).fill(0));
+      }
+      return [codes(all.slice(0, literals)), codes(all.slice(literals))];
+    };
+    for (let last = 0; !last; ) {
+      last = bits(1);
+      const type = bits(2);
+      if (type === 0) {
+        [held, count] = [0, 0];
+        const length = packed[from] | (packed[from + 1] << 8);
+        out.set(packed.subarray(from + 4, from + 4 + length), to);
+        [from, to] = [from + 4 + length, to + length];
+        continue;
+      }
+      const [literals, distances] = type === 1 ? FIXED : own();
+      for (let symbol; (symbol = next(literals)) !== 256; ) {
+        if (symbol < 256) {
+          out[to++] = symbol;
+          continue;
+        }
+        const [length, more] = LENGTHS[symbol - 257];
+        const end = to + length + bits(more);
+        const [distance, farther] = DISTANCES[next(distances)];
+        const back = distance + bits(farther);
+        for (; to < end; to++) out[to] = out[to - back];
+      }
+    }
+    return out;
+  };
+  const bytes = (id) =>
+    unpacked(Uint8Array.from(atob($(id).textContent.trim()), (c) => c.charCodeAt(0)), Number($(id).dataset.size));
   const file = bytes("glb");
   const look = JSON.parse($("look").textContent);
   const data = JSON.parse($("data").textContent);

@@ -379,6 +379,25 @@ fn a_browser_without_a_network_draws_the_report() {
     }
 }
 
+#[test]
+#[ignore = "needs Node"]
+fn pages_unpack_what_zlib_packs() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let script = root.join("tests/javascript/unpack.js");
+    let page = root.join("src/cli/report/viewer.js");
+    let answer = Answer::of(assert_cmd::Command::new("node").arg(script).arg(page)).code(0);
+    assert!(answer.out.contains("240 cases"), "{}", answer.out);
+}
+
+/// The boom has its modes in the page, too: twelve that play, of 92 bodies and rings.
+#[test]
+fn a_report_of_a_boom_is_as_small_as_a_letter() {
+    let bench = Bench::new();
+    bench.call(&["report", &shipped("beams/crane_boom"), "-o", "boom.html"]).code(0);
+    let size = std::fs::metadata(bench.path().join("boom.html")).expect("a page").len();
+    assert!(size < 2_000_000, "{size}");
+}
+
 /// What `watch` prints of a scene that is saved once more.
 fn watched(before: &str, after: &str) -> String {
     let bench = Bench::new();
