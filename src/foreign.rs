@@ -20,7 +20,11 @@ thread_local! {
 /// If it panics: the parser's name and its message. A stack that overflows and memory that ends are not caught; what is
 /// parsed has to be bounded before (see [`budget`](crate::budget)).
 pub fn parse<T>(parser: &str, work: impl FnOnce() -> T) -> Result<T, String> {
-    caught(work).map_err(|message| format!("{parser} cannot cope with it ({message})"))
+    caught(work).map_err(|message| {
+        // What unwrapping says of itself is of no use to a person.
+        let said = message.strip_prefix("called `").and_then(|rest| Some(rest.split_once("value: ")?.1));
+        format!("{parser} cannot cope with it ({})", said.unwrap_or(&message))
+    })
 }
 
 /// Runs work of which a panic is one failure among many answers, and not the end of all.

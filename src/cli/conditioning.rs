@@ -2,7 +2,7 @@
 //!
 //! A hinge whose links beyond it are free to turn against it moves only a part of their inertia, the articulated one: in chains of like
 //! links a fair part. If a link weighs next to nothing and carries much, its acceleration is the quotient of a
-//! round-off by a small inertia: huge, and without meaning.
+//! round-off by a small inertia: huge, and without meaning. What is huge without that is worth a look at its numbers.
 
 use super::{output, text};
 use crate::dynamics::{MassAction, System};
@@ -16,7 +16,7 @@ const EXTREME: f64 = 1e6;
 /// An inertia below this part of what hangs on it explains such an acceleration.
 const LIGHT: f64 = 1e-6;
 
-/// A coordinate of a hinge that moves next to nothing.
+/// A coordinate of a hinge whose acceleration is extreme.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Light {
     hinge: String,
@@ -41,7 +41,7 @@ impl Light {
     }
 }
 
-/// The hinges of a scene that move next to nothing, with the accelerations that they have because of that.
+/// The hinges of a scene with extreme accelerations at its start, and what they move.
 pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let mut system = System::new(model);
@@ -69,11 +69,9 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
             let (mut one, mut column) = (vec![0.0; v.len()], vec![0.0; v.len()]);
             one[at] = 1.0;
             at_start.mass_times(&mut action, &one, &mut column);
-            if inertia[at] < LIGHT * column[at] {
-                let unit = if slides { "kg" } else { "kg m²" };
-                let (hinge, acceleration) = (model.label(at), accelerations[at]);
-                found.push(Light { hinge, unit, inertia: inertia[at], carried: column[at], acceleration });
-            }
+            let unit = if slides { "kg" } else { "kg m²" };
+            let (hinge, acceleration) = (model.label(at), accelerations[at]);
+            found.push(Light { hinge, unit, inertia: inertia[at], carried: column[at], acceleration });
         }
     }
     found
@@ -88,14 +86,19 @@ const MOST_NAMED: usize = 5;
 pub(super) fn warn(name: &str, found: &[Light]) {
     for Light { hinge, unit, inertia, carried, acceleration } in found.iter().take(MOST_NAMED) {
         let over = if *unit == "kg" { "m/s²" } else { "rad/s²" };
-        output::warning(&format!(
-            "{name}: {hinge} moves an inertia of {} {unit} and carries {} {unit}, {} times as much: its acceleration at the given \
-             state, {} {over}, means nothing (give the light bodies their inertia, or weld them)",
-            text::number(*inertia),
-            text::number(*carried),
-            text::number(carried / inertia),
-            text::number(*acceleration)
-        ));
+        let (times, acceleration) = (carried / inertia, text::number(*acceleration));
+        let (inertia, carried) = (text::number(*inertia), text::number(*carried));
+        output::warning(&match times > 1.0 / LIGHT {
+            true => format!(
+                "{name}: {hinge} moves an inertia of {inertia} {unit} and carries {carried} {unit}, {} times as much: its acceleration \
+                 at the given state, {acceleration} {over}, means nothing (give the light bodies their inertia, or weld them)",
+                text::number(times)
+            ),
+            false => format!(
+                "{name}: {hinge} moves an inertia of {inertia} {unit}, and accelerates by {acceleration} {over} at the given state: is a \
+                 mass, an inertia or a force in other units than the rest?"
+            ),
+        });
     }
     if found.len() > MOST_NAMED {
         output::warning(&format!("{name}: so do {} other hinges", found.len() - MOST_NAMED));

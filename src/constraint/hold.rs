@@ -14,6 +14,7 @@ impl Constraints {
     ///
     /// The motion is at `q`.
     pub(crate) fn hold(&mut self, model: &Model, motion: &Motion, q: &[f64], held: &[HeldRow]) -> Vec<bool> {
+        self.clear_shares();
         let (elements, rows) = (self.own, self.independent.len());
         self.elements.truncate(elements);
         self.ways.truncate(elements);
@@ -23,7 +24,6 @@ impl Constraints {
         self.placed.truncate(rows);
         self.multipliers.truncate(rows);
         self.not_unique.truncate(rows);
-        self.is_shared = false;
         rows::hold(model, held, motion, &mut self.elements, &mut self.rules);
         self.ways.extend(self.elements[elements..].iter().map(|element| rows::way(model, element)));
         let length = model.length_scale();

@@ -47,9 +47,14 @@ impl Constraints {
         (of_row, of_velocity)
     }
 
-    /// The multipliers of the rows that are solved for, in their order.
+    /// The multipliers of the rows that are solved for, in their order, as if no other row pushed.
     pub(crate) fn independent_multipliers(&self) -> Vec<f64> {
-        self.plan.rows().map(|row| self.multipliers[row]).collect()
+        self.plan.rows().map(|row| self.alone()[row]).collect()
+    }
+
+    /// The multipliers before they were shared.
+    fn alone(&self) -> &[f64] {
+        if self.is_shared { &self.unshared } else { &self.multipliers }
     }
 
     /// Adds the multipliers of the rows that are solved for, in their order, times a weight.
@@ -61,7 +66,7 @@ impl Constraints {
     /// multipliers. Rows that others stand for push nothing.
     pub fn by_element(&self) -> Vec<(String, Vec<f64>)> {
         let kept = self.kept();
-        let of_row = |row: usize| if kept[row] { self.multipliers[row] } else { 0.0 };
+        let of_row = |row: usize| if kept[row] { self.alone()[row] } else { 0.0 };
         self.elements.iter().map(|element| (element.name.clone(), element.rows.clone().map(of_row).collect())).collect()
     }
 

@@ -201,7 +201,7 @@ impl Constraints {
         if !carried.iter().chain(share.iter()).all(|x| x.is_finite()) {
             return;
         }
-        self.is_shared = true;
+        self.remember_unshared();
         for (rows, numbers) in [(&solved, &carried), (&redundant, &share)] {
             rows.iter().zip(numbers.iter()).for_each(|(row, x)| self.multipliers[*row] = x * self.weights[*row]);
         }
@@ -231,12 +231,18 @@ impl Constraints {
         }
     }
 
-    /// Rows that are left out push nothing again.
+    /// From here on rows that are left out push, too.
+    fn remember_unshared(&mut self) {
+        if !self.is_shared {
+            self.unshared.clone_from(&self.multipliers);
+            self.is_shared = true;
+        }
+    }
+
+    /// Rows that are left out push nothing again, those solved for all of the load.
     pub(super) fn clear_shares(&mut self) {
         if self.is_shared {
-            let mut left_out = vec![true; self.rules.len()];
-            self.plan.rows().for_each(|row| left_out[row] = false);
-            self.multipliers.iter_mut().zip(left_out).filter(|(_, left_out)| *left_out).for_each(|(x, _)| *x = 0.0);
+            self.multipliers.clone_from(&self.unshared);
             self.is_shared = false;
         }
         self.not_unique.fill(false);
@@ -264,10 +270,10 @@ impl Constraints {
 
     /// Adds self-stresses, one number for each (N or N m at the row left out), to multipliers that are shared.
     pub(crate) fn add_self_stress(&mut self, alpha: &[f64]) {
+        self.remember_unshared();
         for (stress, alpha) in self.self_stresses.iter().zip(alpha) {
             stress.iter().for_each(|(row, x)| self.multipliers[*row] += alpha * x);
         }
-        self.is_shared = true;
     }
 
     /// The root of the sum of squares of all multipliers, moments divided by the lever of their component (N).

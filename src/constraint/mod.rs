@@ -103,6 +103,8 @@ pub struct Constraints {
     multipliers: Vec<f64>,
     /// Whether rows that are left out push too, and which rows' multipliers are not unique: known once they are shared.
     is_shared: bool,
+    /// All multipliers as they were before that.
+    unshared: Vec<f64>,
     not_unique: Vec<bool>,
     /// Multipliers that balance each other, by rows: one list for each row left out, once they are shared.
     self_stresses: Vec<Vec<(usize, f64)>>,
@@ -159,6 +161,7 @@ impl Constraints {
             placed: vec![Placed::default(); rules.len()],
             multipliers: vec![0.0; rules.len()],
             is_shared: false,
+            unshared: Vec::new(),
             not_unique: vec![false; rules.len()],
             self_stresses: Vec::new(),
             lengths,

@@ -160,6 +160,11 @@ impl<'a> Element<'a> {
         self.elements().inspect(Self::see)
     }
 
+    /// The first element in it with one of these names, which is not marked as read.
+    pub(super) fn within(&self, names: &[&str]) -> Option<Self> {
+        self.elements().find_map(|child| if names.contains(&child.name()) { Some(child) } else { child.within(names) })
+    }
+
     /// Marks everything in it as read, for what is noted as a whole.
     pub(super) fn see_all(&self) {
         for node in self.node.descendants().filter(Node::is_element) {

@@ -249,7 +249,8 @@ impl<'a> Moving<'a> {
         }
         let magnitude = &place.scales.stiffness;
         self.with(&place.q, parameter, |landscape, q| {
-            if !landscape.conservative {
+            // Coriolis forces may hold what stiffness does not.
+            if !landscape.conservative || landscape.steady.iter().any(|v| *v != 0.0) {
                 let (linear, magnitude) = free_part(landscape, &q, magnitude)?;
                 let (unstable, neutral) = count_by_motion(&linear);
                 return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, &magnitude) });

@@ -34,7 +34,7 @@ pub use answer::answer;
 pub use certify::damped::DampedMode;
 pub use certify::equilibrium::{BearingStop, Equilibrium};
 pub use certify::modes::NaturalMode;
-pub use certify::stability::{Stability, StabilityVerdict};
+pub use certify::stability::{Stability, StabilityVerdict, most_modes};
 pub use effort::{Iteration, Stage};
 pub use inverse::{InverseAnswer, hold};
 pub use outputs::{beams, diagrams, outputs};

@@ -11,11 +11,8 @@ use crate::model::output::Output;
 use crate::model::{Model, Side};
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
-use crate::statics::{Equilibrium, Stability, standing};
+use crate::statics::{Equilibrium, Stability, most_modes, standing};
 use std::sync::Arc;
-
-/// Modes that scenes of more coordinates report at most: of a large system statics finds the lowest.
-const MOST_MODES: usize = 64;
 
 /// What is asked of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,15 +150,16 @@ impl<'a> Listing<'a, '_> {
 
     /// Natural frequencies and damped modes, in the order of statics.
     fn modes(&mut self, model: &Model, stability: Option<&Stability>) {
-        let modes = model.velocity_count().min(MOST_MODES);
+        // The same number in every case, whatever its verdict.
+        let modes = most_modes(model);
         let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
-        for k in 0..modes.max(frequencies.len()) {
+        for k in 0..modes {
             self.number("Hz", &|| format!("frequencies_hz[{k}]"), frequencies.get(k).copied());
         }
         if model.has_damping() {
             let damped = stability.map_or(&[][..], |stability| &stability.damped);
             // A mode that creeps has two rates, each of which counts.
-            for k in 0..(2 * modes).max(damped.len()) {
+            for k in 0..2 * modes {
                 let mode = damped.get(k);
                 self.number("Hz", &|| format!("damped_frequencies_hz[{k}]"), mode.map(|mode| mode.frequency_hz));
                 self.number("", &|| format!("damping_ratios[{k}]"), mode.map(|mode| mode.damping_ratio));

@@ -16,6 +16,7 @@ mod modes;
 mod path;
 mod poles;
 mod ratios;
+mod spinning;
 mod start;
 mod stiff_wires;
 mod stops;

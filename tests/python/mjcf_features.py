@@ -290,6 +290,15 @@ def springs(case):
     return case.model(f'<body>{case.joint("k", more)}{case.geom()}{case.arm()}</body>')
 
 
+def tendon_springs(case):
+    length = case.number(-1, 1)
+    lengths = case.one("", 'springlength="-1"', f'springlength="{length}"', f'springlength="{length} {length}"')
+    numbers = f'stiffness="{case.number(1, 9)}" damping="{case.number(0, 1)}" {lengths}'
+    tendon = f'<tendon><fixed {numbers}><joint joint="jt" coef="{case.number(0.5, 2)}"/></fixed></tendon>'
+    more = case.one("", f'ref="{case.number(-0.3, 0.3)}"', f'springref="{case.number(-0.3, 0.3)}"')
+    return case.model(f'<body>{case.joint("jt", more)}{case.geom()}{case.arm()}</body>', tendon)
+
+
 def gravity_compensation(case):
     return case.model(case.arm().replace("<body ", f'<body gravcomp="{case.number(0, 1.5)}" '))
 
@@ -321,6 +330,7 @@ FEATURES = [
     attach_within,
     attach_itself,
     springs,
+    tendon_springs,
     gravity_compensation,
     replicate,
 ]

@@ -10,18 +10,21 @@ use nalgebra::Vector6;
 pub(crate) struct LockedStrain {
     /// Name of the beam.
     pub beam: String,
-    /// `stretch` or `shear`.
+    /// `stretch`, `shear`, `twist` or `bend`.
     pub name: &'static str,
-    /// What it would be.
+    /// What it would be; of twist and bend by how much the whole beam would turn (rad).
     pub strain: f64,
-    /// The force that it would follow from (N).
+    /// The force or moment that it would follow from (N, N m).
     pub force: f64,
     /// Distance from the beam's root (m).
     pub s: f64,
 }
 
+/// The strains by the names that files have for them.
+const STRAINS: [(&str, &[usize]); 4] = [("stretch", &[0]), ("shear", &[1, 2]), ("twist", &[3]), ("bend", &[4, 5])];
+
 impl Balanced<'_> {
-    /// Stretch and shear of all beams that they do not have.
+    /// Strains of all beams that they do not have.
     pub(crate) fn locked_strains(&self) -> Vec<LockedStrain> {
         self.system.model.beams.iter().flat_map(|beam| self.locked_of(beam)).collect()
     }
@@ -31,7 +34,7 @@ impl Balanced<'_> {
         let is_free =
             |strain: usize| beam.elements.iter().all(|element| rods[element.rod].free_strains().any(|i| i == strain));
         let locked: Vec<(&'static str, Vec<usize>)> =
-            [("stretch", vec![0]), ("shear", vec![1, 2])].into_iter().filter(|(_, of)| !is_free(of[0])).collect();
+            STRAINS.into_iter().map(|(name, of)| (name, of.to_vec())).filter(|(_, of)| !is_free(of[0])).collect();
         let mut most: Vec<LockedStrain> = Vec::new();
         for element in beam.elements.iter().filter(|_| !locked.is_empty()) {
             let rod = &rods[element.rod];
@@ -39,6 +42,7 @@ impl Balanced<'_> {
                 let forces = self.section_of(element, slice.at);
                 for (name, strains) in &locked {
                     let (strain, force) = largest(rod, k, strains, &forces);
+                    let strain = if strains[0] < 3 { strain } else { strain * beam.length };
                     let here =
                         LockedStrain { beam: beam.name.clone(), name, strain, force, s: element.from + slice.at };
                     match most.iter_mut().find(|one| one.name == *name) {
@@ -57,5 +61,10 @@ impl Balanced<'_> {
 fn largest(rod: &Rod, station: usize, strains: &[usize], forces: &Vector6<f64>) -> (f64, f64) {
     let stiffness = &rod.sections[station];
     let of = |i: &usize| (forces[*i].abs() / stiffness[(*i, *i)], forces[*i]);
-    strains.iter().map(of).fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
+    // What has no stiffness bears nothing.
+    strains
+        .iter()
+        .filter(|i| stiffness[(**i, **i)] > 0.0)
+        .map(of)
+        .fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
 }

@@ -57,6 +57,12 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     let models = model::read(&tree, path, options);
     let mut scene = body::read(&models, 0);
     mass::scale(&mut scene);
+    if scene.bodies.len() == 1
+        && let Some(found) = root.within(&["composite", "flexcomp"])
+    {
+        let message = format!("`{}` is not imported, and the model has no other body", found.name());
+        found.refuse(Problem::at(found.place(), message).help("describe what is slender and bends with `[[beam]]`"));
+    }
     let key = key::read(&models, &scene.instances, options);
     key.place(&models, &mut scene);
     if !log.is_fine() {

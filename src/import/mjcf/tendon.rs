@@ -154,7 +154,8 @@ fn acts<'a>(settled: &Settled<'a>, path: &Path, scene: &mut Scene<'a>, output: &
     }
     let stiffness = if scene.settings.springs { stiffness[0] } else { 0.0 };
     let damping = if scene.settings.dampers { damping[0] } else { 0.0 };
-    let lengths = settled.numbers("springlength", 2).filter(|lengths| lengths[0] >= 0.0);
+    // −1 alone asks for the length at the reference: lengths of fixed tendons may be negative.
+    let lengths = settled.numbers("springlength", 2).filter(|lengths| lengths.iter().any(|length| *length != -1.0));
     if stiffness == 0.0 && damping == 0.0 {
         if matches!(path, Path::Other) {
             element.note(Taken::Ignored, "it runs over more than two sites");

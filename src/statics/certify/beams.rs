@@ -46,10 +46,10 @@ pub(super) fn judge(balanced: &Balanced<'_>, q: &[f64]) -> Judged {
 /// What is said of a strain that is not free.
 fn told(locked: &LockedStrain) -> String {
     let LockedStrain { beam, name, strain, force, s } = locked;
-    format!(
-        "`{beam}` leaves out {name}: the {} N at s = {} m would make {} of it; \"{name}\" in `free` has it",
-        number(*force),
-        number(*s),
-        significant(*strain, 3)
-    )
+    let (force, s, strain) = (number(*force), number(*s), significant(*strain, 3));
+    let makes = match *name {
+        "stretch" | "shear" => format!("{force} N at s = {s} m would make {strain} of it"),
+        _ => format!("{force} N m at s = {s} m would turn the beam by {strain} rad over its length"),
+    };
+    format!("`{beam}` leaves out {name}: the {makes}; \"{name}\" in `free` has it")
 }

@@ -217,6 +217,18 @@ fn classify(
         true => count(z, &linear.stiffness, &place.scales.stiffness),
         false => count_by_motion(linear),
     });
+    let along = |y: Vec<f64>| (0..z.nrows()).map(|i| y.iter().enumerate().map(|(j, y)| z[(i, j)] * y).sum()).collect();
+    let damped = match model.has_damping() {
+        true => damped::of_motions(model, free, linear, mass, &along),
+        false => Vec::new(),
+    };
+    if !conservative {
+        let mut modes = damped::natural(model, free, linear, mass, &along);
+        if !damped.is_empty() {
+            damped::still(&mut modes, &damped);
+        }
+        return Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped);
+    }
     let mode = |(k, (value, y)): (usize, (f64, Vec<f64>))| {
         let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
         let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);
@@ -229,12 +241,7 @@ fn classify(
         let shapes = (0..count).map(|k| (0..count).map(|i| vectors[(i, k)]).collect::<Vec<f64>>());
         values.into_iter().zip(shapes).enumerate().map(mode).collect()
     });
-    let along = |y: Vec<f64>| (0..z.nrows()).map(|i| y.iter().enumerate().map(|(j, y)| z[(i, j)] * y).sum()).collect();
-    let damped = match model.has_damping() {
-        true => damped::of_motions(model, free, linear, mass, &along),
-        false => Vec::new(),
-    };
-    if conservative && !damped.is_empty() {
+    if !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
     Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped)

@@ -60,6 +60,49 @@ pub(in crate::statics) fn of_motions(
     found
 }
 
+/// The modes of `M ẍ + G ẋ + K x = 0`, the motion without its damping: `G` is the part of `C` that does no work, which a steady
+/// motion has by Coriolis forces, and `K` may be without a potential. Of each pair ±s one is a mode: what grows first, then what has no
+/// stiffness, then by frequency.
+pub(in crate::statics) fn natural(
+    model: &Model,
+    free: &[usize],
+    linear: &Linearization,
+    mass: &Mat<f64>,
+    of: &dyn Fn(Vec<f64>) -> Vec<f64>,
+) -> Vec<NaturalMode> {
+    let n = linear.mass.nrows();
+    let c = &linear.damping;
+    let undamped = Linearization {
+        damping: Mat::from_fn(n, n, |i, j| 0.5 * (c[(i, j)] - c[(j, i)])),
+        stiffness: linear.stiffness.clone(),
+        mass: linear.mass.clone(),
+    };
+    let mut neutral = 0;
+    let mut one_of_each = |mode: DampedMode| {
+        if mode.frequency_hz == 0.0 && mode.decay_rate == 0.0 {
+            neutral += 1;
+            // Both roots are zero.
+            if neutral % 2 == 0 {
+                return None;
+            }
+        }
+        let grows = mode.damping_ratio < -GROWS;
+        let [real, imaginary] = mode.shape;
+        let size = |shape: &[f64]| shape.iter().map(|x| x * x).sum::<f64>();
+        let shape = if size(&real) >= size(&imaginary) { real } else { imaginary };
+        (mode.damping_ratio <= GROWS).then(|| NaturalMode {
+            frequency_hz: mode.frequency_hz,
+            growth_rate: if grows { -mode.decay_rate } else { 0.0 },
+            shape: scaled(&shape),
+            shares: mode.shares,
+        })
+    };
+    let found = of_motions(model, free, &undamped, mass, of);
+    let mut modes: Vec<NaturalMode> = found.into_iter().filter_map(&mut one_of_each).collect();
+    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+    modes
+}
+
 /// The damped motion of a large system within the space of its lowest undamped modes. `momenta` are `M x` of each.
 pub(in crate::statics) fn within(
     system: &mut System,

@@ -24,6 +24,12 @@ pub(in crate::statics) fn by_matrices(model: &Model, free: usize) -> bool {
     free <= if model.has_damping() { MOST_DENSE } else { MOST_MODES }
 }
 
+/// How many modes of a scene are told in tables: all where a scene has few coordinates, else the lowest ones.
+pub fn most_modes(model: &Model) -> usize {
+    let count = model.velocity_count();
+    if by_matrices(model, count) { count } else { MOST_MODES }
+}
+
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StabilityVerdict {

@@ -31,6 +31,30 @@ fn one_row_for_every_case_whatever_became_of_it() {
     }
 }
 
+/// Tables have a column for each mode that statics lists, with damping and without, in small scenes and large.
+#[test]
+fn cases_have_the_modes_of_statics() {
+    let bench = Bench::new();
+    for (count, damping) in [(63, 0.1), (65, 0.1), (120, 0.1), (65, 0.0), (205, 0.1)] {
+        let text = format!(
+            "[[body]]\nname = \"b\"\nrepeat = {count}\nmass = 1.0\ncenter = [0.05, 0, 0]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], next = [0.1, 0, 0], stiffness = 5000, damping = {damping} }}\n"
+        );
+        bench.write("chain.toml", &text);
+        let told = bench.call(&["statics", "chain.toml", "--set", "gravity[2]=-9.0", "--json"]).code(0).json();
+        let swept = bench.call(&["sweep", "chain.toml", "--over", "gravity[2]=-9.0", "--json"]).code(0).json();
+        let result = &swept["cases"][0]["result"];
+        let hertz = told["frequencies_hz"].as_array().expect("frequencies");
+        for (k, hz) in hertz.iter().enumerate() {
+            assert_eq!(result[format!("frequencies_hz[{k}]")], *hz, "{count} {damping}: {k}");
+        }
+        assert!(
+            !hertz.is_empty() && result.get(format!("frequencies_hz[{}]", hertz.len())).is_none(),
+            "{count} {damping}"
+        );
+    }
+}
+
 #[test]
 fn rows_go_into_a_table_and_may_be_runs() {
     let bench = Bench::new();

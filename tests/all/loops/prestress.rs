@@ -98,6 +98,29 @@ fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
     assert!(frequencies > 10 && certified > 10);
 }
 
+/// What rods pull with balances the weight, wherever it is told.
+#[test]
+fn pulls_of_concurrent_and_parallel_bars_balance() {
+    for seed in 0..60 {
+        let mut text = scene(seed, None);
+        let rods = text.matches("[[loop]]").count();
+        for rod in 0..rods {
+            text = text.replacen("[[loop]]\ntype", &format!("[[loop]]\nname = \"rod {rod}\"\ntype"), 1);
+            let _ = write!(text, "[[output]]\nname = \"pull {rod}\"\ntype = \"force\"\nof = \"rod {rod}\"\n");
+        }
+        let (_, model) = read(&text);
+        let found = statics(&model);
+        let told = stillpoint::statics::outputs(&model, &found).expect("outputs");
+        let sum: nalgebra::Vector3<f64> = found.loops.iter().map(|one| one.force).sum();
+        let weight = nalgebra::Vector3::new(0.0, 0.0, 9.80665);
+        assert!((sum - weight).norm() < 1e-9, "seed {seed}: {sum:?}");
+        for (one, told) in found.loops.iter().zip(told) {
+            let pull = one.pull.expect("a rod");
+            assert!((pull - told).abs() < 1e-9 * (1.0 + pull.abs()), "seed {seed}: {pull} and {told}");
+        }
+    }
+}
+
 /// Near a point where three rods meet there may be another way to assemble them, where they are independent and hold everything: no
 /// path leads there, and the motion of first order is held by prestress alone.
 #[test]

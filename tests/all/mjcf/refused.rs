@@ -107,6 +107,14 @@ fn a_body_that_moves_without_mass_is_refused_if_geoms_do_not_weigh() {
 }
 
 #[test]
+fn what_bends_alone_is_named() {
+    let said =
+        wrong(&world("\n<composite type=\"cable\" count=\"9 1 1\" size=\"1\"><geom size=\"0.01\"/></composite>"));
+    assert!(said.starts_with("2: `composite` is not imported, and the model has no other body"), "{said}");
+    assert!(said.contains("[[beam]]"), "{said}");
+}
+
+#[test]
 fn all_mistakes_are_said_at_once() {
     let model = world("\n<body name=\"a\"><joint axis=\"0 0 0\"/>\n<geom size=\"-1\"/>\n<geom type=\"bix\"/></body>");
     assert_eq!(wrong(&model).lines().count(), 3, "{}", wrong(&model));
