@@ -40,6 +40,7 @@ mod sensitivity;
 mod standing;
 mod statics;
 mod stopwatch;
+mod storm;
 mod study;
 mod sweep;
 mod text;

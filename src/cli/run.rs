@@ -3,6 +3,7 @@
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::recording::{Viewers, add_viewer, keep_complete, recording_file, recording_path};
+use super::storm::Storm;
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::model::Model;
 use crate::model::description::BodyDescription;
@@ -80,6 +81,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let opening =
         Opening { scene: &still, scenario: &scenario.text, statics: found.is_object().then_some(found_text.as_str()) };
     let mut recorder = Fanout::new().recorder(file.begin(&opening)?);
+    if !common.quiet {
+        let begin = scenario.simulate.begin();
+        recorder = recorder.onlooker(Storm::new(begin, begin + scenario.simulate.duration));
+    }
     for sink in arguments.viewers.sinks() {
         recorder = add_viewer(recorder, &sink, &opening, common.quiet)?;
     }

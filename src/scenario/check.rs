@@ -89,7 +89,11 @@ impl Check<'_> {
     fn unknown(&self, element: &Element<'_>, name: &Spanned<impl AsRef<str>>, of_type: Option<&str>) {
         let word = name.get_ref().as_ref();
         let message = format!("{}unknown key `{word}`", element.prefix());
-        let help = did_you_mean(word, element.table.names(of_type))
+        let inner =
+            element.table.keys.iter().find(|key| tables(&key.kind).any(|table| table.names(None).any(|it| it == word)));
+        let help = inner
+            .map(|key| format!("it is a key of `{0}`: `{0} = {{ {word} = … }}`", key.name))
+            .or_else(|| did_you_mean(word, element.table.names(of_type)))
             .unwrap_or_else(|| format!("allowed: {}", listed(element.table.names(of_type))));
         self.findings.push(Finding::error(name.span(), message).help(help));
     }
@@ -235,6 +239,15 @@ fn fits(kind: &Kind, value: &DeValue<'_>) -> bool {
         | (Kind::Table(_) | Kind::Map(_), DeValue::Table(_)) => true,
         (Kind::Either(kinds), value) => kinds.iter().any(|kind| fits(kind, value)),
         _ => false,
+    }
+}
+
+/// The tables that a value may be.
+fn tables(kind: &'static Kind) -> Box<dyn Iterator<Item = &'static Table>> {
+    match kind {
+        Kind::Table(table) => Box::new(std::iter::once(*table)),
+        Kind::Either(kinds) => Box::new(kinds.iter().flat_map(tables)),
+        _ => Box::new(std::iter::empty()),
     }
 }
 

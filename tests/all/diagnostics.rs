@@ -847,3 +847,10 @@ hinge = { type = "prismatic", axis = [0, 0, 1], lock = true, position = 0.3, lim
     scene.toml: 3 errors
     "#);
 }
+
+#[test]
+fn keys_of_inner_tables_say_where_they_belong() {
+    let text = "[[body]]\nname = \"arm\"\nmass = 1.0\nparent = \"base\"\nhinge = { type = \"fixed\" }\n";
+    let told = stillpoint::scenario::parse("s.toml", text, &[]).expect_err("a problem").render(false);
+    assert!(told.contains("unknown key `parent`") && told.contains("`hinge = { parent = … }`"), "{told}");
+}

@@ -580,3 +580,60 @@ fn a_kink_is_told() {
     let (_, found, _) = told(&stopped, &[]);
     assert!(found["notes"].to_string().contains("touches and bears next to nothing"), "{found}");
 }
+
+/// `linearize --response`: how far a mass on a spring and damper moves by one of its base, `(k + i c ω) / (k − m ω² + i c ω)`.
+#[test]
+fn responses_by_drives_are_transmissibilities() {
+    let text = r#"
+        gravity = [0.0, 0.0, 0.0]
+        [[body]]
+        name = "base"
+        mass = 5.0
+        hinge = { type = "prismatic", axis = [1.0, 0.0, 0.0] }
+        [[body]]
+        name = "mass"
+        mass = 2.0
+        hinge = { type = "prismatic", axis = [1.0, 0.0, 0.0], position = 1.0 }
+        [[force]]
+        type = "spring"
+        name = "spring"
+        between = ["base", "mass"]
+        stiffness = 50.0
+        length = 1.0
+        damping = 3.0
+        [[drive]]
+        name = "shake"
+        hinge = "base"
+        type = "hold"
+        [[output]]
+        name = "place"
+        type = "position"
+        of = "mass"
+        axis = [1.0, 0.0, 0.0]
+    "#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shaker.toml");
+    std::fs::write(&path, text).unwrap();
+    let call = |more: &[&str]| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
+        let answer = program.arg("linearize").arg(&path).args(["--input", "shake"]).args(more).output().unwrap();
+        (answer.status.success(), String::from_utf8_lossy(&answer.stdout).into_owned())
+    };
+    let (_, json) = call(&["--response", "0,0.5,3", "--json"]);
+    let told: Value = serde_json::from_str(&json).unwrap();
+    for (k, hz) in [0.0, 0.5, 3.0].into_iter().enumerate() {
+        let one = &told["response"][k];
+        let omega = std::f64::consts::TAU * hz;
+        let (top, bottom) = ([50.0, 3.0 * omega], [50.0 - 2.0 * omega * omega, 3.0 * omega]);
+        let size = f64::hypot(top[0], top[1]) / f64::hypot(bottom[0], bottom[1]);
+        let phase = (top[1].atan2(top[0]) - bottom[1].atan2(bottom[0])).to_degrees();
+        assert_eq!((&one["input"], &one["output"], &one["unit"]), (&"shake".into(), &"place".into(), &"1".into()));
+        // At no frequency at all a drive's target is free: nothing holds it back.
+        let Some(amplitude) = one["amplitude"].as_f64().filter(|_| hz > 0.0) else { continue };
+        assert!((amplitude - size).abs() < 1e-9 * size, "{hz} Hz: {amplitude} for {size}");
+        assert!((one["phase_deg"].as_f64().unwrap() - phase).abs() < 1e-7, "{hz} Hz: {one}");
+    }
+    let (fine, text) = call(&["--response", "0.5"]);
+    assert!(fine && text.contains("0.5 Hz  place by shake"), "{text}");
+    assert!(!call(&["--response", "-2"]).0 && !call(&["--response", "1", "--output", "none"]).0);
+}

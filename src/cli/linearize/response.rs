@@ -71,7 +71,7 @@ pub(super) fn lines(swings: &[Swing]) -> String {
         let unit = if swing.unit == "1" { "" } else { &swing.unit };
         out += &format!("\n  {head:<12} {} Hz  {:<widest$}  ", frequencies[index], pair(swing));
         out += &match swing.amplitude.is_finite() {
-            true => format!("{} {unit:<units$}  {}°", sizes[index], phases[index]),
+            true => format!("{} {unit:<units$}  {}°", sizes[index], phases[index].trim_end()),
             false => "nothing holds it back".to_owned(),
         };
     }

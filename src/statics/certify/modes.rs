@@ -36,11 +36,16 @@ pub(in crate::statics) fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
     (0..n).map(|row| (0..n).map(|j| mass[(row, j)] * shape[j]).sum()).collect()
 }
 
-/// Each hinge's share of a mode's kinetic energy; a coordinate may stand in several rows.
+/// Each hinge's share of a mode's kinetic energy, that of a beam of all its elements together; a coordinate may stand in several rows.
 pub(in crate::statics) fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
+    let mut owner: Vec<usize> = (0..model.bodies.len()).collect();
+    for beam in &model.beams {
+        let Some(last) = beam.elements.last() else { continue };
+        beam.elements.iter().for_each(|element| owner[element.body] = last.body);
+    }
     let mut of_body: Vec<Option<f64>> = vec![None; model.bodies.len()];
     for (row, at) in free.iter().enumerate() {
-        *of_body[model.coordinates[*at].body].get_or_insert(0.0) += shape[row] * momentum[row];
+        *of_body[owner[model.coordinates[*at].body]].get_or_insert(0.0) += shape[row] * momentum[row];
     }
     let shares: Vec<(usize, f64)> =
         of_body.iter().enumerate().filter_map(|(body, part)| Some((body, (*part)?))).collect();
