@@ -1,17 +1,19 @@
 //! A scene as a family: one of its numbers moves.
 
-use crate::dynamics::{Fault, Linearization, Powers, System};
+use crate::dynamics::{Fault, Powers, System};
 use crate::model::description::Description;
 use crate::model::{Model, Parameter, Side, Stop, StopLaw};
 use crate::output::{Given, Outputs};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::closed;
-use crate::statics::certify::equilibrium::Equilibrium;
+use crate::statics::certify::growing::Along;
+use crate::statics::certify::sided::Sides;
 use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
+use crate::statics::certify::weak::{self, Around};
 use crate::statics::problem::assembled::Assembled;
 use crate::statics::problem::place::{Place, SHIFT};
-use crate::statics::problem::sizes::{NEUTRAL, comparable, relative, sizes};
+use crate::statics::problem::sizes::{NEUTRAL, comparable, relative};
 use crate::statics::problem::{Branch, Landscape, apart, slides};
 use crate::statics::search::curve::{Family, Look, Metric};
 use faer::Mat;
@@ -50,6 +52,8 @@ pub(super) struct Count {
     pub neutral: usize,
     /// In which the stiffness is negative: the same where loads have a potential.
     pub negative: usize,
+    /// Of those that run away the ones off stops that bear nothing, or on another side of a kink.
+    pub sided: usize,
 }
 
 /// What is recorded of a place.
@@ -116,6 +120,11 @@ impl<'a> Moving<'a> {
 
     /// What holds a coordinate (N or N m), and how large the forces are that act there.
     pub(super) fn held(&mut self, q: &[f64], parameter: f64, velocity: usize) -> Result<[f64; 2], String> {
+        self.all_held(q, parameter).map(|all| all[velocity])
+    }
+
+    /// [`Moving::held`] of every coordinate.
+    fn all_held(&mut self, q: &[f64], parameter: f64) -> Result<Vec<[f64; 2]>, String> {
         self.with(q, parameter, |landscape, q| {
             // With loops: the multipliers there.
             landscape.force(&q)?;
@@ -124,7 +133,7 @@ impl<'a> Moving<'a> {
             let mut residual = rest.clone();
             let system = landscape.system();
             let magnitudes = system.at(0.0, &q, &steady).residual(&rest, &mut residual)?.magnitudes();
-            Ok([residual[velocity], magnitudes.force[velocity]])
+            Ok(residual.iter().zip(&magnitudes.force).map(|(held, size)| [*held, *size]).collect())
         })
     }
 
@@ -145,6 +154,19 @@ impl<'a> Moving<'a> {
         parameter: f64,
         of: impl FnOnce(&mut Landscape<'_>, Vec<f64>) -> Result<T, Fault>,
     ) -> Result<T, String> {
+        let (model, q) = self.scene(q, parameter)?;
+        let (model, q) = resting(model, &self.set, &q)?;
+        let mut system = System::new(&model);
+        let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
+        landscape.metric.clone_from(&self.metric.inertia);
+        landscape.set_branch(self.branch.take());
+        let result = of(&mut landscape, q).map_err(|fault| fault.to_string());
+        self.branch = landscape.branch();
+        result
+    }
+
+    /// The scene at a value of the parameter, its stops in it, and `q` there.
+    fn scene(&mut self, q: &[f64], parameter: f64) -> Result<(Arc<Model>, Vec<f64>), String> {
         let model = match &self.built {
             Some(built) => Arc::clone(built),
             None => build(&mut self.description, self.parameters, parameter)?,
@@ -166,14 +188,7 @@ impl<'a> Moving<'a> {
             q[range.clone()].copy_from_slice(&model.start_position[range]);
         }
         let model = self.assembled.apply(model, &mut q)?;
-        let (model, q) = resting(model, &self.set, &q)?;
-        let mut system = System::new(&model);
-        let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
-        landscape.metric.clone_from(&self.metric.inertia);
-        landscape.set_branch(self.branch.take());
-        let result = of(&mut landscape, q).map_err(|fault| fault.to_string());
-        self.branch = landscape.branch();
-        result
+        Ok((model, q))
     }
 
     /// Takes other numbers of the scene as the ones that move; those before them get `value` again.
@@ -244,16 +259,45 @@ impl<'a> Moving<'a> {
 
     /// Counts directions at a solution.
     pub(super) fn count(&mut self, place: &Place, parameter: f64) -> Result<Count, String> {
+        let count = self.count_on_stops(place, parameter)?;
+        if count.unstable > 0 {
+            return Ok(count);
+        }
+        Ok(match self.around(&place.q, parameter)?.map(|around| around.sides) {
+            Some(Sides::Leave(leaving)) if leaving.falls => Count { unstable: 1, sided: 1, ..count },
+            Some(Sides::Leave(_)) => Count { neutral: count.neutral + 1, ..count },
+            _ => count,
+        })
+    }
+
+    /// What is on all sides of a solution, if it has any.
+    pub(super) fn around(&mut self, q: &[f64], parameter: f64) -> Result<Option<Around>, String> {
+        let held = match self.set.iter().any(Option::is_some) {
+            true => self.all_held(q, parameter)?,
+            false => Vec::new(),
+        };
+        let (model, q) = self.scene(q, parameter)?;
+        let load = |index: usize, side: Side| {
+            let [held, size] = held[model.stops[index].velocity];
+            [-side.sign() * held, size]
+        };
+        weak::around(&model, &self.set, &q, &load).map_err(|fault| fault.to_string())
+    }
+
+    /// Counts directions along the stops of the branch.
+    fn count_on_stops(&mut self, place: &Place, parameter: f64) -> Result<Count, String> {
+        let sided = 0;
         if self.metric.inertia.is_empty() {
-            return Ok(Count { unstable: 0, neutral: 0, negative: 0 });
+            return Ok(Count { unstable: 0, neutral: 0, negative: 0, sided });
         }
         let magnitude = &place.scales.stiffness;
         self.with(&place.q, parameter, |landscape, q| {
             // Coriolis forces may hold what stiffness does not.
             if !landscape.conservative || landscape.steady.iter().any(|v| *v != 0.0) {
-                let (linear, magnitude) = free_part(landscape, &q, magnitude)?;
+                let Along { linear, sizes: magnitude, .. } = Along::at(landscape, &q, magnitude)?;
                 let (unstable, neutral) = count_by_motion(&linear);
-                return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, &magnitude) });
+                let negative = negative_real(&linear.stiffness, &magnitude);
+                return Ok(Count { unstable, neutral, negative, sided });
             }
             landscape.look(&q)?;
             let shifted = |part: f64| comparable(magnitude).iter().map(|k| part * k).collect::<Vec<f64>>();
@@ -268,7 +312,7 @@ impl<'a> Moving<'a> {
                 }
                 None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
             };
-            Ok(Count { unstable, neutral, negative: unstable })
+            Ok(Count { unstable, neutral, negative: unstable, sided })
         })
     }
 
@@ -438,16 +482,6 @@ fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
     stops.iter().zip(set).map(of).sum()
 }
 
-/// The sides of the stops that an equilibrium rests on.
-pub(super) fn borne(model: &Model, found: &Equilibrium) -> Set {
-    let side = |stop: &Stop| {
-        let hinge = model.label(stop.velocity);
-        let bearing = found.stops.iter().find(|one| one.hinge == hinge);
-        bearing.map(|one| one.side)
-    };
-    model.stops.iter().map(side).collect()
-}
-
 /// The model while these stops bear, and the position on them.
 fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f64>), String> {
     if set.iter().all(Option::is_none) {
@@ -460,23 +494,6 @@ fn build(description: &mut Description, parameters: &[Parameter], value: f64) ->
     parameters.iter().try_for_each(|one| one.set(description, value))?;
     Model::build(description)
         .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
-}
-
-/// Mass, damping and stiffness of the free coordinates, of the motions that loops leave; and the sizes of its terms.
-fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Result<(Linearization, Vec<f64>), Fault> {
-    let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
-    let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
-    if let Some(z) = &z {
-        landscape.share_prestress(q, z)?;
-    }
-    let full = landscape.system().at(0.0, q, &steady).linearize(&vec![0.0; steady.len()])?;
-    let pick = |m: &Mat<f64>| {
-        let part = Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
-        z.as_ref().map_or_else(|| part.clone(), |z| z.transpose() * &part * z)
-    };
-    let linear =
-        Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
-    Ok((linear, sizes(z.as_ref(), magnitude)))
 }
 
 /// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns

@@ -4,6 +4,7 @@ mod adrift;
 mod aim;
 mod cascade;
 mod crowns;
+mod edges;
 mod falling;
 mod far;
 mod fed;

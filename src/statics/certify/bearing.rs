@@ -36,6 +36,16 @@ pub(in crate::statics) fn touching(model: &Model, q: &[f64]) -> Set {
     model.stops.iter().map(touched).collect()
 }
 
+/// The sides of the stops that an equilibrium rests on.
+pub(in crate::statics) fn borne(model: &Model, found: &Equilibrium) -> Set {
+    let side = |stop: &Stop| {
+        let hinge = model.label(stop.velocity);
+        let bearing = found.stops.iter().find(|one| one.hinge == hinge);
+        bearing.map(|one| one.side)
+    };
+    model.stops.iter().map(side).collect()
+}
+
 /// The stops of a set, and the sides on which they bear.
 pub(in crate::statics) fn bearing_sides<'a>(stops: &'a [Stop], set: &'a Set) -> impl Iterator<Item = (&'a Stop, Side)> {
     stops.iter().zip(set).filter_map(|(stop, side)| Some((stop, (*side)?)))

@@ -153,7 +153,7 @@ pub(in crate::statics) fn within(
 }
 
 /// Roots of (1), one of each pair, with the real and the imaginary part of `x`.
-fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
+pub(super) fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
     let largest = (0..n).map(|i| (0..n).map(|j| k[(i, j)].abs()).sum::<f64>()).fold(0.0, f64::max);
     let unit = if largest > 0.0 { largest.sqrt() } else { 1.0 };
     let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
@@ -201,6 +201,11 @@ fn sort(modes: &mut [DampedMode]) {
 
 /// Motions that grow faster than this part of their `|s|` run away: what is less is the round-off of a double root.
 const GROWS: f64 = 1e-6;
+
+/// Whether a motion whose root has this real part and this size runs away.
+pub(super) fn grows(real: f64, size: f64) -> bool {
+    real > GROWS * size
+}
 
 /// How many motions run away: at least those along which the stiffness is negative, more if something feeds them, as a motor that
 /// pushes with the speed does.

@@ -5,6 +5,7 @@ use super::closed;
 use super::known;
 use super::stability::{Stability, StabilityVerdict};
 use super::unbalanced::describe;
+use super::weak::ONLY_UNSTABLE;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side};
@@ -194,7 +195,7 @@ pub(in crate::statics) fn certify(
     notes.extend(stability.as_ref().and_then(|stability| stability.flutter_note(model)));
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(StabilityVerdict::Unstable) && settings.want == Want::Stable {
-        notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
+        notes.push(ONLY_UNSTABLE.to_owned());
     }
     let kind = settings.want == Want::Any || verdict != Some(StabilityVerdict::Unstable);
     Ok(Equilibrium {

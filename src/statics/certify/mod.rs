@@ -9,7 +9,9 @@
 //! | `known` | what is known of a stiffness that is small beside its terms |
 //! | `closed` | with loops, drives and gears: motions along the closed positions |
 //! | `bearing` | which stops bear, and the scene in which they do |
-//! | `weak`, `cone`, `copositive` | stops that bear nothing: the critical cone, and whether the stiffness is copositive on it |
+//! | `weak` | stops that bear nothing and kinks of forces: what happens on each side; `kinks` finds the latter |
+//! | `sided`, `rays`, `growing` | the cones on the sides of all of them, and the stiffness or the motion there |
+//! | `cone`, `copositive` | the critical cone of a search in a tree, and whether a stiffness is copositive |
 //! | `falling` | motions that nothing ends |
 
 mod beams;
@@ -21,8 +23,12 @@ pub(super) mod damped;
 mod eigen;
 pub(super) mod equilibrium;
 pub(super) mod falling;
+pub(super) mod growing;
+mod kinks;
 pub(super) mod known;
 pub(super) mod modes;
+mod rays;
+pub(super) mod sided;
 pub(super) mod stability;
 mod subspace;
 pub(super) mod unbalanced;

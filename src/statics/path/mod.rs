@@ -13,10 +13,10 @@
 mod stops;
 mod trace;
 
-use super::certify::bearing::Set;
+use super::certify::bearing::{Set, borne};
 use super::certify::equilibrium::Equilibrium;
 use super::certify::stability::StabilityVerdict;
-use super::family::{Moving, borne};
+use super::family::Moving;
 use super::problem::assembled::Assembled;
 use super::search::{Observers, equilibrium_observed};
 use crate::model::description::Description;
@@ -25,7 +25,7 @@ use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use trace::{StopChange, Tracer, seeds};
+use trace::{OffStops, StopChange, Tracer, seeds};
 
 /// Branches that are followed, the first one included.
 const MOST_BRANCHES: usize = 24;
@@ -168,6 +168,14 @@ impl EventKind {
     }
 }
 
+/// Where a branch begins on which other stops bear.
+enum Change {
+    /// At the end of another one.
+    Stop(StopChange),
+    /// At a bifurcation.
+    Off(OffStops),
+}
+
 /// Follows the equilibrium that is found at `from`.
 ///
 /// # Errors
@@ -208,27 +216,36 @@ pub fn follow(
     }
     let mut tracer = Tracer::new(moving, settings);
     let mut queue = VecDeque::from([tracer.first(&q)?]);
-    let mut changes: VecDeque<(StopChange, (usize, usize))> = VecDeque::new();
+    let mut changes: VecDeque<(Change, (usize, usize))> = VecDeque::new();
     // The stops that bear along each branch.
     let mut sets: Vec<Set> = Vec::new();
     loop {
         let Some(seed) = queue.pop_front() else {
             let Some((change, parent)) = changes.pop_front() else { break };
-            let q = &change.point.place.q;
-            tracer = Tracer::new(family(change.point.parameter, q, change.set.clone())?, settings);
-            match tracer.onward(&change, parent) {
-                Some(seed) => queue.push_back(seed),
-                None => {
-                    path.complete = false;
-                    path.notes.push(format!(
-                        "branch {} ends on the stop of {} at `{}` = {}: none was found that goes on from there",
-                        parent.0,
-                        model.label(model.stops[change.index].velocity),
-                        settings.parameter,
-                        number(change.point.parameter)
-                    ));
+            let point = &path.branches[parent.0].points[parent.1];
+            let value = number(point.parameter);
+            let (set, missing) = match &change {
+                Change::Stop(change) => (&change.set, {
+                    let stop = model.label(model.stops[change.index].velocity);
+                    format!(
+                        "branch {} ends on the stop of {stop} at `{}` = {value}: none was found that goes on from there",
+                        parent.0, settings.parameter
+                    )
+                }),
+                Change::Off(off) => {
+                    (&off.set, format!("bifurcation at {value}: no branch was found within a step of it off its stops"))
                 }
+            };
+            tracer = Tracer::new(family(point.parameter, &point.position, set.clone())?, settings);
+            let seed = match &change {
+                Change::Stop(change) => tracer.onward(change, parent),
+                Change::Off(off) => tracer.leaving(off, point, parent),
+            };
+            if seed.is_none() {
+                path.complete &= matches!(change, Change::Off(_));
+                path.notes.push(missing);
             }
+            queue.extend(seed);
             continue;
         };
         if path.branches.len() == MOST_BRANCHES {
@@ -252,7 +269,11 @@ pub fn follow(
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
-        changes.extend(change.map(|change| (change, (index, branch.points.len() - 1))));
+        let off = std::mem::take(&mut tracer.off_stops);
+        if settings.branches {
+            changes.extend(off.into_iter().map(|(at, off)| (Change::Off(off), (index, at))));
+        }
+        changes.extend(change.map(|change| (Change::Stop(change), (index, branch.points.len() - 1))));
         path.branches.push(branch);
         sets.push(set);
     }

@@ -5,7 +5,8 @@
 //! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
 //! leaves its limit: that may be back where it came from.
 
-use super::trace::{Seed, StopChange, Tracer};
+use super::PathPoint;
+use super::trace::{OffStops, Seed, StopChange, Tracer};
 use crate::model::{Side, Stop, StopLaw};
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
@@ -58,6 +59,26 @@ impl Tracer<'_> {
             }
         }
         first
+    }
+
+    /// The branch that leaves stops that bear nothing at a bifurcation, on the side that they leave open; if there is one.
+    pub(super) fn leaving(&mut self, off: &OffStops, point: &PathPoint, parent: (usize, usize)) -> Option<Seed> {
+        let model = self.moving.model();
+        let free = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock);
+        let x = free.map(|i| off.direction[i]).collect();
+        let normal = self.moving.metric().unit(&Direction { x, parameter: 0.0 })?;
+        let seed = self.seed(&point.position, point.parameter, &normal, parent)?;
+        let set = self.moving.set().clone();
+        for index in (0..set.len()).filter(|index| set[*index].is_none()) {
+            let stop = self.moving.stop(index);
+            for side in stop.sides() {
+                let [clear, slack] = clear(&mut self.moving, &stop, side, false, &seed.point).ok()?;
+                if clear < -slack {
+                    return None;
+                }
+            }
+        }
+        Some(seed)
     }
 
     /// The branch that goes on after a change, if there is one.

@@ -3,7 +3,9 @@
 use super::{BranchEnd, EventKind, PathBranch, PathEvent, PathPoint, PathSettings};
 use crate::model::Side;
 use crate::statics::certify::bearing::Set;
+use crate::statics::certify::sided::{Leaving, Sides};
 use crate::statics::certify::stability::StabilityVerdict;
+use crate::statics::certify::weak::Around;
 use crate::statics::family::{Count, Moving};
 use crate::statics::search::curve::{Curve, Direction, Family, Point};
 use crate::statics::search::illinois::illinois;
@@ -25,6 +27,17 @@ const ON: f64 = 0.4;
 pub(super) struct Tracer<'a> {
     pub(super) moving: Moving<'a>,
     pub(super) settings: &'a PathSettings,
+    /// Points of the branch that was followed last at which others leave stops.
+    pub(super) off_stops: Vec<(usize, OffStops)>,
+}
+
+/// A bifurcation whose branches leave stops that bear nothing.
+#[derive(Debug, Clone)]
+pub(super) struct OffStops {
+    /// The stops that bear on them.
+    pub set: Set,
+    /// Where they leave, over all velocity coordinates.
+    pub direction: Vec<f64>,
 }
 
 /// Where a branch begins.
@@ -55,11 +68,12 @@ struct Between {
     point: Point,
     event: Option<PathEvent>,
     wanted: bool,
+    off: Option<OffStops>,
 }
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(moving: Moving<'a>, settings: &'a PathSettings) -> Self {
-        Self { moving, settings }
+        Self { moving, settings, off_stops: Vec::new() }
     }
 
     pub(super) fn curve(&mut self) -> Curve<'_> {
@@ -94,6 +108,7 @@ impl<'a> Tracer<'a> {
         seed: Seed,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(PathBranch, Option<StopChange>), String> {
+        self.off_stops.clear();
         let parent = seed.parent;
         let first = seed.point;
         let mut count = self.moving.count(&first.place, first.parameter)?;
@@ -129,6 +144,7 @@ impl<'a> Tracer<'a> {
                     Some(_) => Count { neutral: 1, unstable: count.unstable.min(next_count.unstable), ..count },
                     None => self.moving.count(&one.point.place, one.point.parameter)?,
                 };
+                self.off_stops.extend(one.off.map(|off| (branch.points.len(), off)));
                 self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
             }
             if let Some(change) = change {
@@ -206,12 +222,29 @@ impl<'a> Tracer<'a> {
             let located = self.singular(a, step, [before, after]);
             found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Bifurcation, others)));
         }
-        if changes == 0 && before.unstable != after.unstable {
-            let located = self.by_count(a, step, before, |count| count.unstable);
-            let directions = before.unstable.abs_diff(after.unstable);
+        let on_stops = [before, after].map(|count| count.unstable - count.sided);
+        if changes == 0 && on_stops[0] != on_stops[1] {
+            let located = self.by_count(a, step, before, |count| count.unstable - count.sided);
+            let directions = on_stops[0].abs_diff(on_stops[1]);
             found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Flutter, directions)));
         }
+        // The stiffness along the stops is the same there; that off them passes zero.
+        if on_stops == [0, 0] && before.sided != after.sided {
+            let unstable = if before.sided > 0 { a } else { b };
+            let located = self.by_count(a, step, before, |count| count.sided);
+            found.extend(located.and_then(|(s, point)| self.off(s, point, unstable)));
+        }
         found
+    }
+
+    /// A bifurcation off stops, between a solution that runs away there and one that does not.
+    fn off(&mut self, s: f64, point: Point, unstable: &Point) -> Option<Between> {
+        let Around { pressed, sides, .. } = self.moving.around(&unstable.place.q, unstable.parameter).ok()??;
+        let Sides::Leave(Leaving { coordinates, direction, .. }) = sides else { return None };
+        let mut carriers: Vec<String> = coordinates.iter().map(|i| self.moving.model().owner(*i).to_owned()).collect();
+        carriers.dedup();
+        let event = PathEvent { kind: EventKind::Bifurcation, directions: 1, carriers };
+        Some(Between { s, point, event: Some(event), wanted: false, off: Some(OffStops { set: pressed, direction }) })
     }
 
     fn event(&mut self, s: f64, point: Point, kind: EventKind, directions: usize) -> Between {
@@ -219,7 +252,7 @@ impl<'a> Tracer<'a> {
             EventKind::Fold => self.carriers(&point.ahead.x.clone()),
             _ => self.null(&point).map_or(Vec::new(), |x| self.carriers(&x)),
         };
-        Between { s, point, event: Some(PathEvent { kind, directions, carriers }), wanted: false }
+        Between { s, point, event: Some(PathEvent { kind, directions, carriers }), wanted: false, off: None }
     }
 
     /// The place where a number of directions changes, by halving.
@@ -336,7 +369,7 @@ impl<'a> Tracer<'a> {
                 }
                 let located = self.landing(a, [start, end], value);
                 let wanted = self.settings.at.contains(&value);
-                between.extend(located.map(|(s, point)| Between { s, point, event: None, wanted }));
+                between.extend(located.map(|(s, point)| Between { s, point, event: None, wanted, off: None }));
             }
             if outside {
                 between.retain(|one| one.s <= end.0);
@@ -397,7 +430,9 @@ impl<'a> Tracer<'a> {
 pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &PathBranch, index: usize, notes: &mut Vec<String>) -> Vec<Seed> {
     let mut found = Vec::new();
     for (at, point) in branch.points.iter().enumerate() {
-        let Some(event) = point.event.as_ref().filter(|event| event.kind == EventKind::Bifurcation) else { continue };
+        let leaves_stops = tracer.off_stops.iter().any(|(of, _)| *of == at);
+        let is_one = |event: &&PathEvent| event.kind == EventKind::Bifurcation && !leaves_stops;
+        let Some(event) = point.event.as_ref().filter(is_one) else { continue };
         let value = crate::model::problem::number(point.parameter);
         if event.directions > 1 {
             let count = if event.directions == 2 { "double".to_owned() } else { format!("{}-fold", event.directions) };
@@ -428,16 +463,26 @@ impl Tracer<'_> {
         let Some(across) = self.moving.metric().unit(&across) else { return found };
         for sign in [1.0, -1.0] {
             let normal = Direction { x: across.x.iter().map(|x| sign * x).collect(), parameter: 0.0 };
-            let seed = (0..=HALVINGS).find_map(|halvings| {
-                let beside = BESIDE * 0.5_f64.powi(halvings) * self.settings.step;
-                let x: Vec<f64> = normal.x.iter().map(|x| beside * x).collect();
-                let q = self.moving.moved(&base.place.q, &x);
-                let point = self.curve().correct(q, base.parameter, &normal, beside)?;
-                self.is_within_range(point.parameter).then_some(Seed { point, parent: Some(parent), beside })
-            });
-            found.extend(seed);
+            found.extend(self.seed(&base.place.q, base.parameter, &normal, parent));
         }
         found
+    }
+
+    /// The first point of a branch that leaves a bifurcation along `normal`.
+    pub(super) fn seed(
+        &mut self,
+        q: &[f64],
+        parameter: f64,
+        normal: &Direction,
+        parent: (usize, usize),
+    ) -> Option<Seed> {
+        (0..=HALVINGS).find_map(|halvings| {
+            let beside = BESIDE * 0.5_f64.powi(halvings) * self.settings.step;
+            let x: Vec<f64> = normal.x.iter().map(|x| beside * x).collect();
+            let q = self.moving.moved(q, &x);
+            let point = self.curve().correct(q, parameter, normal, beside)?;
+            self.is_within_range(point.parameter).then_some(Seed { point, parent: Some(parent), beside })
+        })
     }
 
     fn is_within_range(&self, parameter: f64) -> bool {

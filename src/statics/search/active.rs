@@ -130,7 +130,7 @@ fn nearer(stop: &Stop, q: &[f64]) -> Option<Side> {
 }
 
 /// What the coordinates must not leave while this set bears.
-fn gates(model: &Model, set: &Set) -> Vec<Gate> {
+pub(super) fn gates(model: &Model, set: &Set) -> Vec<Gate> {
     let gate = |(index, side): (usize, &Option<Side>)| {
         let stop = &model.stops[index];
         let range = match *side {

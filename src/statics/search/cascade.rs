@@ -35,9 +35,9 @@ const RELAXATION_SWEEPS: usize = 30_000_000;
 
 /// Time steps, and sweeps over one link, that an unstable equilibrium of loads without a potential may take to be left for a stable
 /// one: there may be none, and what flutters never comes to rest.
-const LEAVING_STEPS: usize = 10_000;
+pub(super) const LEAVING_STEPS: usize = 10_000;
 
-const LEAVING_SWEEPS: usize = 300_000;
+pub(super) const LEAVING_SWEEPS: usize = 300_000;
 
 /// Where a search ended.
 pub(in crate::statics) struct Found {

@@ -16,6 +16,7 @@ mod floating;
 mod free;
 pub(super) mod illinois;
 mod krylov;
+mod leave;
 mod newton;
 mod polish;
 mod progress;
@@ -24,9 +25,9 @@ mod saddle;
 mod trust_region;
 mod turns;
 
+use super::certify::bearing;
 use super::certify::equilibrium::{Equilibrium, certify};
 use super::certify::falling::falling;
-use super::certify::{bearing, weak};
 use super::effort::Effort;
 use super::problem::Landscape;
 use super::problem::place::Place;
@@ -35,7 +36,6 @@ use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
-use free::search_free;
 use std::sync::Arc;
 
 /// Finds the equilibrium from the guess `start`.
@@ -131,12 +131,7 @@ fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
         search.trail.iter_mut().for_each(|trail| trail.push(start.to_vec()));
         return Ok(found);
     }
-    if model.stops.is_empty() {
-        return Ok(on_curves(model, search_free(search)?));
-    }
-    let mut found = turns::search(search)?;
-    weak::examine_weak(model, settings, &mut found)?;
-    Ok(on_curves(model, found))
+    Ok(on_curves(model, leave::search(search)?))
 }
 
 /// What is found must be on the curves that bodies are guided along.

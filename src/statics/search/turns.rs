@@ -48,7 +48,7 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
 }
 
 /// An answer with what the turns before it have worked.
-fn after(turns: &Equilibrium, mut found: Equilibrium) -> Equilibrium {
+pub(super) fn after(turns: &Equilibrium, mut found: Equilibrium) -> Equilibrium {
     found.stages.splice(0..0, turns.stages.iter().cloned());
     found.iterations += turns.iterations;
     found.force_evaluations += turns.force_evaluations;

@@ -16,7 +16,7 @@ mod adjoint;
 
 use super::certify::bearing::{self, Set};
 use super::certify::equilibrium::Equilibrium;
-use super::family::{Moving, borne};
+use super::family::Moving;
 use super::inverse::unit;
 use super::problem::assembled::Assembled;
 use super::search::curve::Family;
@@ -169,7 +169,7 @@ pub fn sensitivities(
         value: one.value(description),
     });
     let numbers: Vec<Influence> = numbers.collect();
-    let set = borne(model, found);
+    let set = bearing::borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
     let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
     let is_symmetric = model.is_conservative_at_rest() && found.velocity.iter().all(|v| *v == 0.0);

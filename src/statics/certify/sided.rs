@@ -1,0 +1,303 @@
+//! Balances at which forces are one-sided: stops that are touched and bear nothing, and kinks of springs and motors.
+//!
+//! The rows `a` of all of them, `a·x > 0` leading into a stop or beyond a kink, divide the motions `x` of the balance, those along
+//! loops, drives and gears, into cones. Within a rigid stop there are none; in each of the others the stiffness is one matrix:
+//!
+//! ```text
+//! (1)  Kₚ = K + Σ κ a aᵀ,     κ: what a compliant stop or a kink adds on the side of it that the cone p is on
+//! (2)  X = (K + μN)⁻¹ Aᵀ C⁻¹,   C = A (K + μN)⁻¹ Aᵀ          the lowest motions with A X = 1; A has rows that are independent
+//! (3)  S = Xᵀ K X,   Sₚ = S + Σ κ t tᵀ,   a = Aᵀ t             what is seen of (1) where everything else gives way
+//! (4)  v = R α, α ≥ 0 with the rays R of the cone p (see `rays`):   Rᵀ Sₚ R copositive on every cone
+//! ```
+//!
+//! Loads with a potential are at a minimum only if (4) holds, given that the motions along all rows, `A x = 0`, are. `N` are the sizes
+//! of the terms of `K`; motions without stiffness make it singular, and `μN` regular again: what falls with `X` falls, whatever `μ` is.
+//! Other loads are judged by their motion, see `growing`.
+
+use super::copositive;
+use super::growing;
+use super::rays::rays;
+use super::stability::MOST_DENSE;
+use crate::dynamics::{Fault, System};
+use crate::model::Model;
+use crate::round_off::EIGENVECTOR;
+use crate::statics::problem::Landscape;
+use crate::statics::problem::place::Place;
+use crate::statics::problem::sizes::{NEUTRAL, comparable, symmetric};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use std::sync::Arc;
+
+/// `μ` of (2): with the largest that leaves a fall what leaves a row and what follows it are of one size.
+const SLACKS: [f64; 3] = [1e-3, 1e-6, NEUTRAL];
+/// A row is linearly dependent on others if no more than this part of its square is across them: a coordinate that moves by 10⁻⁶ of
+/// what the others do follows from how exactly loops are closed.
+const DEPENDENT: f64 = 1e-12;
+/// Compliant stops and kinks up to which all cones are looked at; of more those in which all are on one side, or one alone is not.
+const MOST_SWITCHES: usize = 8;
+
+/// What happens on the positive side of a row.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::statics) enum Beyond {
+    /// No motion leads there: a rigid stop.
+    Nothing,
+    /// The stiffness is another one by these numbers on the negative and the positive side (N/m, N m/rad).
+    Stiffness([f64; 2]),
+}
+
+/// A row with two sides.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Sided {
+    /// Its entries by their velocity coordinates.
+    pub row: Vec<(usize, f64)>,
+    pub beyond: Beyond,
+    /// Whether it is a kink of a force, not a stop.
+    pub is_kink: bool,
+    /// Whose it is.
+    pub name: String,
+}
+
+/// A motion that leaves the balance.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Leaving {
+    /// Whether it runs away; else nothing brings it back.
+    pub falls: bool,
+    /// The stops that it leaves and the kinks that it crosses.
+    pub names: Vec<String>,
+    /// Whether it leaves no stop.
+    pub kinks_alone: bool,
+    /// The velocity coordinates of those.
+    pub coordinates: Vec<usize>,
+    /// Over all velocity coordinates.
+    pub direction: Vec<f64>,
+}
+
+/// What is known of the motions on all sides.
+#[derive(Debug, Clone)]
+pub(in crate::statics) enum Sides {
+    /// All come back.
+    Hold,
+    Leave(Leaving),
+    /// Nothing leaves for ever, but something swings and grows off stops that it strikes.
+    Swing,
+    /// There is too much of it to be looked at.
+    Unknown,
+}
+
+/// Looks at the motions on all sides of the rows at a balance of a model without stops, all other motions coming back.
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub(in crate::statics) fn look(model: &Arc<Model>, q: &[f64], sided: &[Sided]) -> Result<Sides, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, q)?;
+    let place = Place::at(&mut landscape, q.to_vec())?;
+    let mut at = vec![usize::MAX; landscape.steady.len()];
+    landscape.free.iter().enumerate().for_each(|(row, i)| at[*i] = row);
+    let spread = |one: &Sided| {
+        let mut full = vec![0.0; landscape.free.len()];
+        one.row.iter().filter(|(i, _)| at[*i] != usize::MAX).for_each(|(i, value)| full[at[*i]] = *value);
+        full
+    };
+    let all: Vec<Vec<f64>> = sided.iter().map(spread).collect();
+    let Some(rows) = Rows::of(&mut landscape, q, &all)? else { return Ok(Sides::Hold) };
+    let sided: Vec<Sided> = rows.kept.iter().map(|index| sided[*index].clone()).collect();
+    if landscape.conservative && landscape.steady.iter().all(|v| *v == 0.0) {
+        let found = fall(&mut landscape, &place, &rows, &sided)?;
+        return Ok(found.map_or(Sides::Hold, Sides::Leave));
+    }
+    if landscape.free.len() > MOST_DENSE {
+        return Ok(Sides::Unknown);
+    }
+    growing::look(&mut landscape, &place, (&rows.all, &rows.sizes), &sided)
+}
+
+/// Rows that some motion changes, each of the size of one in the metric, and which of them are linearly independent.
+struct Rows {
+    /// Over free coordinates.
+    all: Vec<Vec<f64>>,
+    /// The size that each had.
+    sizes: Vec<f64>,
+    /// Their indices.
+    kept: Vec<usize>,
+    /// Of those that are kept the linearly independent ones: `A`.
+    basis: Vec<usize>,
+    /// `t` of (3) for each that is kept.
+    by_basis: Vec<Vec<f64>>,
+}
+
+impl Rows {
+    /// `None` if no motion changes any.
+    fn of(landscape: &mut Landscape<'_>, q: &[f64], given: &[Vec<f64>]) -> Result<Option<Self>, Fault> {
+        let metric = landscape.metric.clone();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (mut all, mut motions, mut sizes, mut kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (index, row) in given.iter().enumerate() {
+            let square: f64 = row.iter().zip(&metric).map(|(a, b)| a * a / b).sum();
+            let motion: Vec<f64> =
+                landscape.along_rows(q, row)?.iter().zip(&metric).map(|(force, b)| force / b).collect();
+            let along = dot(row, &motion);
+            if along > DEPENDENT * square {
+                let size = along.sqrt();
+                all.push(row.iter().map(|a| a / size).collect::<Vec<f64>>());
+                motions.push(motion.iter().map(|x| x / size).collect::<Vec<f64>>());
+                sizes.push(size);
+                kept.push(index);
+            }
+        }
+        let gram = Mat::from_fn(all.len(), all.len(), |i, j| dot(&all[i], &motions[j]));
+        let basis = independent(&gram);
+        let inner = Mat::from_fn(basis.len(), basis.len(), |i, j| gram[(basis[i], basis[j])]);
+        let outer = Mat::from_fn(basis.len(), all.len(), |i, j| gram[(basis[i], j)]);
+        let by_basis = inner.partial_piv_lu().solve(&outer);
+        let by_basis = (0..all.len()).map(|j| (0..basis.len()).map(|i| by_basis[(i, j)]).collect()).collect();
+        Ok((!all.is_empty()).then_some(Self { all, sizes, kept, basis, by_basis }))
+    }
+
+    /// The two stiffnesses of a row of this size.
+    fn stiffness(&self, k: usize, one: &Sided) -> Option<[f64; 2]> {
+        match one.beyond {
+            Beyond::Nothing => None,
+            Beyond::Stiffness(both) => Some(both.map(|stiffness| stiffness * self.sizes[k].powi(2))),
+        }
+    }
+}
+
+/// Rows of a Gram matrix that are linearly independent, the clearest first.
+fn independent(gram: &Mat<f64>) -> Vec<usize> {
+    let n = gram.nrows();
+    let (mut left, mut basis) = (gram.clone(), Vec::new());
+    while let Some(best) = (0..n).max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)])) {
+        let pivot = left[(best, best)];
+        if !(pivot > DEPENDENT) {
+            break;
+        }
+        basis.push(best);
+        left = Mat::from_fn(n, n, |i, j| left[(i, j)] - left[(i, best)] * left[(best, j)] / pivot);
+        (0..n).for_each(|i| (left[(i, best)], left[(best, i)]) = (0.0, 0.0));
+    }
+    basis
+}
+
+/// On which side of each row a cone is: `true` on the positive one.
+pub(super) fn cones(sided: &[Sided]) -> Vec<Vec<bool>> {
+    let switches: Vec<usize> = (0..sided.len()).filter(|k| matches!(sided[*k].beyond, Beyond::Stiffness(_))).collect();
+    let with = |on: &dyn Fn(usize) -> bool| {
+        let mut sides = vec![false; sided.len()];
+        switches.iter().enumerate().for_each(|(bit, k)| sides[*k] = on(bit));
+        sides
+    };
+    if switches.len() <= MOST_SWITCHES {
+        return (0..1_usize << switches.len()).map(|set| with(&|bit| set >> bit & 1 == 1)).collect();
+    }
+    let ends = [false, true];
+    let alone = (0..switches.len()).flat_map(|one| ends.map(|side| with(&|bit| (bit == one) == side)));
+    ends.into_iter().map(|side| with(&|_| side)).chain(alone).collect()
+}
+
+/// A motion that (4) says leaves: one that falls, or else one that stays as it is.
+fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Option<Leaving>, Fault> {
+    landscape.look(&place.q)?;
+    let sizes = comparable(&place.scales.stiffness);
+    let mut last = None;
+    for slack in SLACKS {
+        let Some(seen) = Seen::of(landscape, rows, &sizes, slack) else { continue };
+        if let Some(v) = seen.violation(rows, sided, NEUTRAL) {
+            return Ok(Some(seen.leaving(landscape, rows, sided, &v, true)));
+        }
+        last = Some(seen);
+    }
+    let Some(seen) = last else { return Ok(None) };
+    let v = seen.violation(rows, sided, -NEUTRAL);
+    Ok(v.map(|v| seen.leaving(landscape, rows, sided, &v, false)))
+}
+
+/// (2) and (3).
+struct Seen {
+    /// The columns of `X`.
+    responses: Vec<Vec<f64>>,
+    /// `S`
+    stiffness: Mat<f64>,
+    /// `Xᵀ N X`
+    sizes: Mat<f64>,
+}
+
+impl Seen {
+    fn of(landscape: &mut Landscape<'_>, rows: &Rows, sizes: &[f64], slack: f64) -> Option<Self> {
+        let rank = rows.basis.len();
+        let shift: Vec<f64> = sizes.iter().map(|size| slack * size).collect();
+        landscape.newton_shifted(&vec![0.0; sizes.len()], &shift)?;
+        let solved: Vec<Vec<f64>> = rows.basis.iter().map(|k| landscape.solve(&rows.all[*k])).collect();
+        let entry = |i: usize, j: usize| rows.all[rows.basis[i]].iter().zip(&solved[j]).map(|(a, x)| a * x).sum();
+        let compliance = symmetric(&Mat::from_fn(rank, rank, entry));
+        let inverse = symmetric(&compliance.partial_piv_lu().solve(Mat::<f64>::identity(rank, rank)));
+        let combined = |j: usize| {
+            let mut x = vec![0.0; sizes.len()];
+            (0..rank).for_each(|i| x.iter_mut().zip(&solved[i]).for_each(|(x, y)| *x += inverse[(i, j)] * y));
+            x
+        };
+        let responses: Vec<Vec<f64>> = (0..rank).map(combined).collect();
+        let size = |i: usize, j: usize| {
+            let both = responses[i].iter().zip(&responses[j]);
+            both.zip(sizes).map(|((x, y), size)| x * y * size).sum::<f64>()
+        };
+        let sizes = Mat::from_fn(rank, rank, size);
+        let stiffness = &inverse - &sizes * slack;
+        let finite = |m: &Mat<f64>| (0..rank).all(|i| (0..rank).all(|j| m[(i, j)].is_finite()));
+        (finite(&stiffness) && finite(&sizes)).then_some(Self { responses, stiffness, sizes })
+    }
+
+    /// `v` of (4) with a form below `−least` of its terms.
+    fn violation(&self, rows: &Rows, sided: &[Sided], least: f64) -> Option<Vec<f64>> {
+        cones(sided).into_iter().find_map(|sides| self.violated(rows, sided, &sides, least))
+    }
+
+    fn violated(&self, rows: &Rows, sided: &[Sided], sides: &[bool], least: f64) -> Option<Vec<f64>> {
+        let rank = rows.basis.len();
+        let (mut form, mut sizes) = (self.stiffness.clone(), self.sizes.clone());
+        for (k, one) in sided.iter().enumerate() {
+            let Some(both) = rows.stiffness(k, one) else { continue };
+            let (stiffness, t) = (both[usize::from(sides[k])], &rows.by_basis[k]);
+            form = Mat::from_fn(rank, rank, |i, j| form[(i, j)] + stiffness * t[i] * t[j]);
+            sizes = Mat::from_fn(rank, rank, |i, j| sizes[(i, j)] + stiffness.abs() * t[i] * t[j]);
+        }
+        let signed = |k: &usize| {
+            let sign = if sides[*k] { -1.0 } else { 1.0 };
+            rows.by_basis[*k].iter().map(|t| sign * t).collect::<Vec<f64>>()
+        };
+        let others = (0..sided.len()).filter(|k| !rows.basis.contains(k)).collect::<Vec<usize>>();
+        let cone: Vec<Vec<f64>> = rows.basis.iter().chain(&others).map(signed).collect();
+        let rays = rays(&cone, rank)?;
+        let product = |m: &Mat<f64>, a: &[f64], b: &[f64]| -> f64 {
+            (0..rank).map(|i| a[i] * (0..rank).map(|j| m[(i, j)] * b[j]).sum::<f64>()).sum()
+        };
+        let roots: Vec<f64> = rays.iter().map(|ray| product(&sizes, ray, ray).sqrt()).collect();
+        let entry = |i: usize, j: usize| product(&form, &rays[i], &rays[j]) / roots[i] / roots[j];
+        let alpha = copositive::violation(&symmetric(&Mat::from_fn(rays.len(), rays.len(), entry)), least)?;
+        let along = |i: usize| rays.iter().zip(&alpha).zip(&roots).map(|((ray, a), root)| a * ray[i] / root).sum();
+        Some((0..rank).map(along).collect())
+    }
+
+    fn leaving(&self, landscape: &Landscape<'_>, rows: &Rows, sided: &[Sided], v: &[f64], falls: bool) -> Leaving {
+        let mut direction = vec![0.0; landscape.steady.len()];
+        for (response, v) in self.responses.iter().zip(v) {
+            landscape.free.iter().zip(response).for_each(|(i, x)| direction[*i] += v * x);
+        }
+        let along: Vec<f64> = rows.by_basis.iter().map(|t| t.iter().zip(v).map(|(t, v)| t * v).sum::<f64>()).collect();
+        Leaving::new(sided, &along, direction, falls)
+    }
+}
+
+impl Leaving {
+    /// Along a motion that changes the rows by `along`.
+    pub(super) fn new(sided: &[Sided], along: &[f64], direction: Vec<f64>, falls: bool) -> Self {
+        let most = along.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let moved = |k: &usize| along[*k].abs() > EIGENVECTOR.of(most);
+        let mut names: Vec<String> = (0..sided.len()).filter(moved).map(|k| sided[k].name.clone()).collect();
+        names.dedup();
+        let kinks_alone = (0..sided.len()).filter(moved).all(|k| sided[k].is_kink);
+        let of = |k: usize| sided[k].row.iter().map(|(i, _)| *i);
+        let coordinates = (0..sided.len()).filter(moved).flat_map(of).collect();
+        Self { falls, names, kinks_alone, coordinates, direction }
+    }
+}
