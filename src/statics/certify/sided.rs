@@ -267,7 +267,8 @@ impl Seen {
         };
         let others = (0..sided.len()).filter(|k| !rows.basis.contains(k)).collect::<Vec<usize>>();
         let cone: Vec<Vec<f64>> = rows.basis.iter().chain(&others).map(signed).collect();
-        let rays = rays(&cone, rank)?;
+        // A cone without a ray is a point.
+        let rays = rays(&cone, rank).filter(|rays| !rays.is_empty())?;
         let product = |m: &Mat<f64>, a: &[f64], b: &[f64]| -> f64 {
             (0..rank).map(|i| a[i] * (0..rank).map(|j| m[(i, j)] * b[j]).sum::<f64>()).sum()
         };

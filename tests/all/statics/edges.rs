@@ -67,7 +67,7 @@ fn poles(seed: u64, formulas: bool) -> Poles {
         }
     });
     let mut moments: Vec<f64> = (0..count).map(|index| G * masses[index] * centers[index]).collect();
-    let mut turns = DMatrix::identity(count, count);
+    let mut turns: DMatrix<f64> = DMatrix::identity(count, count);
     for index in 0..count {
         let Some(parent) = parents[index] else { continue };
         moments[parent] += G * carried[index] * places[index];
@@ -92,7 +92,7 @@ fn poles(seed: u64, formulas: bool) -> Poles {
         );
         sides.push(both);
     }
-    let mut motions = DMatrix::identity(count, count);
+    let mut motions: DMatrix<f64> = DMatrix::identity(count, count);
     let mut free: Vec<usize> = (0..count).collect();
     let mut tied = Vec::new();
     for _ in 0..random.below(1 + count / 2) {
@@ -152,7 +152,7 @@ fn lowest_within(form: &DMatrix<f64>, rows: &[DVector<f64>]) -> f64 {
     let n = form.nrows();
     let mut lowest = f64::INFINITY;
     for face in 0..1_usize << rows.len() {
-        let mut squares = DMatrix::zeros(n, n);
+        let mut squares: DMatrix<f64> = DMatrix::zeros(n, n);
         rows.iter()
             .enumerate()
             .filter(|(k, _)| face >> k & 1 == 1)
