@@ -42,13 +42,32 @@ pub struct Assembly {
 /// If a gap cannot be closed, if gears leave nothing to move, or if a drive has nothing left to prescribe; each
 /// names the element.
 pub fn assemble(model: Arc<Model>) -> Result<(Arc<Model>, Assembly), Vec<Problem>> {
+    assemble_at(model, 0.0)
+}
+
+/// [`assemble`] where drives are at a time (s).
+///
+/// # Errors
+/// As [`assemble`].
+pub fn assemble_at(model: Arc<Model>, time: f64) -> Result<(Arc<Model>, Assembly), Vec<Problem>> {
     if !model.is_constrained() {
         let assembly = Assembly { degrees_of_freedom: model.velocity_count(), ..Assembly::default() };
         return Ok((model, assembly));
     }
     let mut model = Arc::unwrap_or_clone(model);
-    let assembly = close(&mut model)?;
+    let assembly = close(&mut model, time)?;
     Ok((Arc::new(model), assembly))
+}
+
+/// The gap of a loop, drive or gear that is widest beside the scene's length (1 rad), where a model starts and drives are at a time (s);
+/// `None` without any.
+pub fn open_at(model: &Model, time: f64) -> Option<OpenGap> {
+    if !model.is_constrained() {
+        return None;
+    }
+    let mut closing = Closing::new(model, &RowSelection::default(), time);
+    closing.gap(model, &model.start_position);
+    Some(closing.widest_beside(model.length_scale()))
 }
 
 /// A state at time 0 that loops, drives and gears of an assembled model agree with, nearest to the one given, as [`assemble`] takes that
@@ -68,11 +87,11 @@ pub fn closed(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<
 }
 
 /// Closes the loops of a model that nobody shares yet.
-fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
+fn close(model: &mut Model, time: f64) -> Result<Assembly, Vec<Problem>> {
     freeze_frames(model);
     let mut notes = Vec::new();
-    let (given_gap, gap) = close_positions(model, &mut notes)?;
-    let ranking = decide(model, &RowSelection::default(), &model.start_position, 0.0);
+    let (given_gap, gap) = close_positions(model, time, &mut notes)?;
+    let ranking = decide(model, &RowSelection::default(), &model.start_position, time);
     let rows = Constraints::unplanned(model, &RowSelection::default());
     let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
     problems.extend(overdriven(&rows, &ranking.independent));
@@ -89,7 +108,7 @@ fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     let redundant: Vec<_> = redundant.filter(|(_, left_out, _)| *left_out > 0).collect();
     let rank = ranking.independent.iter().filter(|row| **row).count();
     model.independent_rows = Some(ranking.independent);
-    close_velocities(model, &mut notes)?;
+    close_velocities(model, time, &mut notes)?;
     Ok(Assembly { degrees_of_freedom: model.velocity_count() - rank, redundant, given_gap, gap, notes })
 }
 
@@ -102,12 +121,12 @@ fn freeze_frames(model: &mut Model) {
     }
 }
 
-fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f64), Vec<Problem>> {
+fn close_positions(model: &mut Model, time: f64, notes: &mut Vec<String>) -> Result<(f64, f64), Vec<Problem>> {
     let given = model.start_position.clone();
     let mut q = given.clone();
     let mut near = "the nearest assembly";
     let (given_widest, gap, widest) = {
-        let mut closing = Closing::new(model, &RowSelection::locks(model), 0.0);
+        let mut closing = Closing::new(model, &RowSelection::locks(model), time);
         let relative = closing.gap(model, &q);
         let given_widest = closing.widest();
         let given_gap = given_widest.gap;
@@ -160,10 +179,10 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
 const GIVEN: f64 = 1e-6;
 
 /// The velocities nearest to the given ones that agree with loops, gears and drives.
-fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Vec<Problem>> {
+fn close_velocities(model: &mut Model, time: f64, notes: &mut Vec<String>) -> Result<(), Vec<Problem>> {
     let q = model.start_position.clone();
     let given = model.start_velocity.clone();
-    let mut closing = Closing::new(model, &RowSelection::default(), 0.0);
+    let mut closing = Closing::new(model, &RowSelection::default(), time);
     if let Some(independent) = &model.independent_rows {
         closing.rows.keep(|row| independent[row]);
     }

@@ -46,13 +46,13 @@ pub struct OpenGap {
     pub element: String,
     /// Gap (m; rad times the reach of the mechanism).
     pub gap: f64,
-    /// Gap of a gear or a drive on angles (rad); `None` for others.
+    /// Gap of an angle (rad); `None` for distances.
     pub angle: Option<f64>,
 }
 
 impl OpenGap {
     /// The gap with its unit.
-    pub(super) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         self.angle.map_or_else(|| format!("{} m", number(self.gap)), |angle| format!("{} rad", number(angle)))
     }
 }
@@ -163,6 +163,11 @@ impl Closing {
     /// Where the widest gap of the last placement is.
     pub(super) fn widest(&self) -> OpenGap {
         self.rows.widest(&self.motion)
+    }
+
+    /// Where the gap of the last placement is that is widest beside a length (m), or 1 rad.
+    pub(super) fn widest_beside(&self, length: f64) -> OpenGap {
+        self.rows.widest_beside(&self.motion, length)
     }
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.

@@ -83,6 +83,14 @@ impl Rule {
             Self::Motion { parts } => !parts[0].0.slides,
         }
     }
+
+    /// The angle that a gap is (rad); `None` for the gap of a distance. That of two axes is a difference of cosines.
+    pub(super) fn angle(&self, gap: f64) -> Option<f64> {
+        match self {
+            Self::Aligned { cosine, .. } => Some(((cosine + gap).clamp(-1.0, 1.0).acos() - cosine.acos()).abs()),
+            _ => self.turns().then_some(gap.abs()),
+        }
+    }
 }
 
 /// A row at one state.

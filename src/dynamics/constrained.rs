@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
 use super::{Evaluated, Factorized, Fault, System};
-use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, OpenGap, Rate, RowSelection};
+use crate::constraint::{Constraints, HeldRow, Largest, LoopReaction, Rate, RowSelection};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
@@ -195,12 +195,12 @@ impl System {
                 return Err(fault);
             }
             let left = gap.relative;
-            let OpenGap { element, gap, .. } = constrained.rows.widest(&self.motion);
+            let widest = constrained.rows.widest(&self.motion);
             let solved = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
             // Those solved for may be closed while one left out is not.
             return Err(match solved < 0.1 * left {
-                true => Fault::Independent { element, gap },
-                false => Fault::Open { element, gap },
+                true => Fault::Independent(widest),
+                false => Fault::Open(widest),
             });
         }
         let clearance = constrained.rows.clearance();

@@ -42,7 +42,7 @@ pub use magnitudes::Magnitudes;
 pub use reach::Matrices;
 pub use tangent::{Coefficients, TangentSolver};
 
-use crate::constraint::Constraints;
+use crate::constraint::{Constraints, OpenGap};
 pub use crate::constraint::{HeldRow, RowSelection};
 use crate::force::{Act, Force, Law};
 use crate::model::Model;
@@ -104,26 +104,16 @@ pub enum Fault {
     },
     /// A loop that opens, or a drive or gear that cannot be followed.
     #[error(
-        "{element} cannot be closed: a gap of {} m remains (a position that cannot be reached or where the mechanism is singular)",
-        number(*.gap)
+        "{} cannot be closed: a gap of {} remains (a position that cannot be reached or where the mechanism is singular)",
+        .0.element, .0.words()
     )]
-    Open {
-        /// Which.
-        element: String,
-        /// Gap (m; rad times the scene's length).
-        gap: f64,
-    },
+    Open(OpenGap),
     /// A row that depended linearly on others at the start and no longer does.
     #[error(
-        "{element} opens by {} m in a condition that depended on others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)",
-        number(*.gap)
+        "{} opens by {} in a condition that depended on others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)",
+        .0.element, .0.words()
     )]
-    Independent {
-        /// Which.
-        element: String,
-        /// Gap (m; rad times the scene's length).
-        gap: f64,
-    },
+    Independent(OpenGap),
     /// Something that knows trees only.
     #[error("`{method}` knows no loops, drives or gears yet")]
     Tied {
@@ -197,6 +187,13 @@ pub struct Energies {
     pub kinetic: f64,
     /// Gravity, springs, and loads and motors that have a potential.
     pub potential: f64,
+}
+
+impl Energies {
+    /// The sum of their sizes (J).
+    pub fn size(&self) -> f64 {
+        self.kinetic.abs() + self.potential.abs()
+    }
 }
 
 /// Powers without a potential (W).
