@@ -11,6 +11,7 @@
 //! that at the start of the next step makes no second event.
 
 pub(super) mod dead_centre;
+mod ending;
 mod hidden;
 mod occurrence;
 pub(super) mod search;
@@ -268,7 +269,7 @@ impl Events {
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
-                Function::End(end) => motion.still(model.curve_ends[end].velocity),
+                // What rounding leaves of a curve's end is on the curve, however fast it goes there.
                 _ => f64::INFINITY,
             };
             self.watches.push(Watch { function, positive, band, still, last, next: last, found: 0.0 });
@@ -399,7 +400,12 @@ impl Events {
         for (time, index) in notes {
             self.cross(motion, stepper, time, index)?;
         }
-        let Some((index, transition)) = first else { return Ok(None) };
+        let Some((mut index, mut transition)) = first else { return Ok(None) };
+        if matches!(transition, Transition::Strike(_) | Transition::Leave(_))
+            && let Some((ends, stop)) = self.ends_at(motion, stepper, [interval[0], until])?
+        {
+            (index, transition) = (ends, stop);
+        }
         self.cross(motion, stepper, until, index)?;
         Ok(Some(Hit { time: until, transition }))
     }
@@ -415,8 +421,9 @@ impl Events {
     ) -> Result<Option<f64>, RunError> {
         let Watch { function, last, band, .. } = self.watches[index];
         // At zero, unless that was passed by rounding before.
-        let level = if self.watches[index].towards(last[0]) <= 0.0 { 0.0 } else { band };
-        let width = 0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale());
+        let passed = self.watches[index].towards(last[0]) > 0.0;
+        let level = if passed || matches!(function, Function::End(_)) { band } else { 0.0 };
+        let width = Self::width(motion, [left, right]);
         let mut beyond = |this: &mut Self, time: f64, level: f64| {
             this.move_to(motion, stepper, time)?;
             let now = [this.value(motion, function, time), this.rate(motion, function, time)];
@@ -434,6 +441,11 @@ impl Events {
         self.move_to(motion, stepper, time)?;
         self.watches[index].found = self.value(motion, function, time);
         Ok(Some(time))
+    }
+
+    /// How exactly a change of sign within an interval is located (s).
+    fn width(motion: &Equations, [left, right]: [f64; 2]) -> f64 {
+        0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale())
     }
 
     /// The transition that a change of sign is, if it is one, the state being that at its time.

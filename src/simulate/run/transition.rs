@@ -3,6 +3,7 @@
 use super::Run;
 use crate::integrate::Method;
 use crate::model::problem::number;
+use crate::model::stop::sides;
 use crate::model::{CurveEnd, StopSide};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Transition};
@@ -25,6 +26,22 @@ impl Run<'_, '_> {
         self.model.curve_ends.iter().find(far).map_or(Ok(()), |end| Err(self.leaves(time, end)))
     }
 
+    /// What an event at a rigid limit leaves beyond it by rounding is put on the limit: whatever goes on from there starts within it.
+    fn put_on_limits(&mut self, motion: &mut Equations, time: f64) -> Result<(), RunError> {
+        let stops = &self.model.stops;
+        let is_beyond = |side: &StopSide| {
+            stops[side.stop].is_rigid() && stops[side.stop].depth(side.at, &self.state.position) > 0.0
+        };
+        let beyond: Vec<StopSide> = sides(stops).filter(is_beyond).collect();
+        if beyond.is_empty() || motion.is_captured() {
+            return Ok(());
+        }
+        let fault = |fault| RunError::Sample { time, fault };
+        let held = motion.held().to_vec();
+        motion.lift(time, &mut self.state, &beyond).map_err(fault)?;
+        motion.hold(time, &self.state, &held).map_err(fault)
+    }
+
     /// What follows from an event.
     pub(super) fn transition(
         &mut self,
@@ -34,6 +51,7 @@ impl Run<'_, '_> {
         Hit { time, transition }: Hit,
     ) -> Result<(), RunError> {
         if let Transition::Stop(event) = transition {
+            self.put_on_limits(motion, time)?;
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
         }

@@ -1,0 +1,44 @@
+//! Events of the model at which a run ends, or a stage comes, where a stop is struck or a curve ends at the same instant: the value of the
+//! event is that of the limit.
+//!
+//! Such an event comes first. What follows it may have no stop and no curve any more: a stage that opens the hinge lets the body fly on. If
+//! the run goes on with the stop, it is struck at once.
+
+use super::{Equations, Events, Function, RunError, Stepper, Transition};
+
+impl Events {
+    /// The event at which a run ends that is crossed at the end of an interval, with the time of a search around it: its place in the list,
+    /// and what it is. The state is left at the end of the interval.
+    pub(super) fn ends_at(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        [from, until]: [f64; 2],
+    ) -> Result<Option<(usize, Transition)>, RunError> {
+        // Two instants are located, each with that error.
+        let late = until + 2.0 * Self::width(motion, [from, until]);
+        let last = late.min(stepper.time());
+        let mut found = None;
+        for index in 0..self.watches.len() {
+            let Function::User(event) = self.watches[index].function else { continue };
+            if !motion.model().events[event].stops {
+                continue;
+            }
+            self.move_to(motion, stepper, last)?;
+            let value = self.value(motion, Function::User(event), last);
+            let watch = &mut self.watches[index];
+            let (before, after) = (watch.towards(watch.last[0]), watch.towards(value));
+            // No step goes on beyond its end: there a value is crossed that is met but for rounding.
+            let level = if last < late { -watch.band } else { 0.0 };
+            watch.found = value;
+            if after > level && after - before > watch.band {
+                found = self.transition(motion, index).map(|stop| (index, stop));
+            }
+            if found.is_some() {
+                break;
+            }
+        }
+        self.move_to(motion, stepper, until)?;
+        Ok(found)
+    }
+}
