@@ -91,6 +91,8 @@ pub const UNIT_NORM: RoundOff = RoundOff::units(8.0);
 pub const ON_A_LIMIT: RoundOff = RoundOff(1e-12);
 /// A coordinate at an end of its curve, as part of the curve's length: that of integrals along it.
 pub const ON_A_CURVE: RoundOff = RoundOff(1e-12);
+/// Two places of a curve that are one, as part of the curve's extent: formulas lose digits in what cancels in them.
+pub const ONE_PLACE: RoundOff = RoundOff(1e-9);
 /// Gap of a closed loop, as part of its component's reach: there Newton's method comes to a standstill. Speeds that are projected
 /// onto loops reach it as well, as part of the largest.
 pub const CLOSED: RoundOff = RoundOff(1e-14);

@@ -16,6 +16,8 @@ use stillpoint::simulate::{self, Settings, State, Summary};
 use stillpoint::spatial::Pose;
 use stillpoint::statics::{self, Equilibrium, equilibrium};
 
+mod gaps;
+
 fn curve(random: &mut Random) -> GuideCurve {
     match random.below(4) {
         0 => GuideCurve::Straight { length: random.between(2.0, 3.0) },

@@ -2,6 +2,7 @@
 
 use super::spline::Spline;
 use crate::formula::Formula;
+use crate::round_off::ONE_PLACE;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -138,8 +139,13 @@ impl Line {
                 }
                 match <[Formula; 3]>::try_from(compiled) {
                     Ok(all) => {
+                        let mut instants: Vec<f64> = all.iter().flat_map(|one| one.instants(0, *range)).collect();
+                        instants.sort_by(f64::total_cmp);
                         let line = Self::Formulas(Box::new(all));
-                        let breaks = line.looked_over(from, to);
+                        if let Some(at) = line.gap_among(&instants, line.extent(*range)) {
+                            return flaw(format!("has a gap at parameter {at}"), GAP);
+                        }
+                        let breaks = line.looked_over(from, to, &instants);
                         Ok((line, breaks))
                     }
                     Err(_) => flaw("has not three coordinates".to_owned(), "give x, y and z"),
@@ -148,9 +154,24 @@ impl Line {
         }
     }
 
+    /// How far the curve goes from its beginning, in a thousand looks (m).
+    pub(super) fn extent(&self, [from, to]: [f64; 2]) -> f64 {
+        let first = self.at(from)[0];
+        let far = |k: usize| (self.at(from + (to - from) * k as f64 / LOOKS as f64)[0] - first).norm();
+        (1..=LOOKS).map(far).filter(|far| far.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// The first of the values of the parameter at which formulas begin to follow another rule and the place is another one than just
+    /// before.
+    fn gap_among(&self, instants: &[f64], extent: f64) -> Option<f64> {
+        let jump = |at: &&f64| (self.at(**at)[0] - self.at(at.next_down())[0]).norm() > ONE_PLACE.of(extent);
+        // The last value before the new rule is the one that people have written.
+        instants.iter().find(jump).map(|at| at.next_down())
+    }
+
     /// The ends of a range, and the places in it where the tangent changes by more than a twentieth from one of a thousand looks to the
-    /// next: what is narrow there is not passed over.
-    fn looked_over(&self, from: f64, to: f64) -> Vec<f64> {
+    /// next, or where formulas do something within a short stretch, as their `instants` say: what is narrow there is not passed over.
+    fn looked_over(&self, from: f64, to: f64, instants: &[f64]) -> Vec<f64> {
         // Off the places that people choose: a kink does not become the border of two pieces that are smooth.
         let place = |k: usize| from + (to - from) * (k as f64 + OFF) / (LOOKS as f64 + 1.0);
         let tangents: Vec<Vector3<f64>> = (0..=LOOKS).map(|k| self.at(place(k))[1]).collect();
@@ -160,7 +181,9 @@ impl Line {
                 breaks.extend([k, k + 1].map(place).into_iter().filter(|u| *u > from && *u < to));
             }
         }
+        breaks.extend(instants.windows(2).map(|pair| pair[0] + OFF * (pair[1] - pair[0])));
         breaks.push(to);
+        breaks.sort_by(f64::total_cmp);
         breaks.dedup();
         breaks
     }
@@ -186,5 +209,8 @@ impl Line {
     }
 }
 
+/// What a curve with a gap is told.
+pub(super) const GAP: &str = "a curve goes on from where it has come to: formulas with `if`, `floor`, `sign` may change their rule where both \
+                              rules have the same place and tangent";
 /// What a curve that closes on itself is told.
 pub(super) const CLOSED: &str = "a curve has two ends that differ: leave a gap, or let it go on beyond its beginning";

@@ -17,6 +17,9 @@
 //! (12) F = exp(φ t) T(t₀ → t) F₀,   φ = ∫ t₀·(t × dt)/(1 + t₀·t)
 //! ```
 //!
+//! On every piece the tangents, too, lead from one end to the other, `∫ p' du = Δp`: a curve with a gap, or with a steep part between two looks,
+//! does not.
+//!
 //! Beyond its ends the curve goes on straight, for trial steps alone: no run and no equilibrium is accepted there.
 
 mod curve;
@@ -27,7 +30,8 @@ pub use curve::{GuideCurve, GuideFlaw};
 
 use super::exponential::joined;
 use super::quadrature::GAUSS;
-use curve::{CLOSED, Line};
+use crate::round_off::ONE_PLACE;
+use curve::{CLOSED, GAP, Line};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 
 /// The tangent turns by no more than this within a piece (rad).
@@ -94,10 +98,11 @@ impl Guide {
             breaks.push(0.0);
             breaks.sort_by(f64::total_cmp);
         }
+        let extent = line.extent([first, last]);
         let mut guide = Self { line, follows, knots: Vec::new() };
         let mut ends = vec![first];
         for pair in breaks.windows(2) {
-            guide.split(curve, [pair[0], pair[1]], SHORTEST * (last - first), &mut ends)?;
+            guide.split(curve, [pair[0], pair[1]], (SHORTEST * (last - first), extent), &mut ends)?;
         }
         guide.measure(&ends, origin);
         let [from, to] = guide.range();
@@ -209,8 +214,15 @@ impl Guide {
         about.to_rotation_matrix() * shortest(first, tangent) * knot.frame
     }
 
-    /// Halves until every piece is resolved; the ends of the pieces but for the first.
-    fn split(&self, curve: &GuideCurve, whole: [f64; 2], shortest: f64, ends: &mut Vec<f64>) -> Result<(), GuideFlaw> {
+    /// Halves until every piece is resolved, of a curve of an extent (m) down to pieces that are the shortest; the ends of the pieces but
+    /// for the first.
+    fn split(
+        &self,
+        curve: &GuideCurve,
+        whole: [f64; 2],
+        (shortest, extent): (f64, f64),
+        ends: &mut Vec<f64>,
+    ) -> Result<(), GuideFlaw> {
         let mut open = vec![whole];
         while let Some([a, b]) = open.pop() {
             for u in [a, b] {
@@ -221,7 +233,7 @@ impl Guide {
                 }
             }
             let middle = 0.5 * (a + b);
-            if self.is_resolved(a, b) {
+            if self.is_resolved(a, b) && self.missed(a, b) <= ONE_PLACE.of(extent) {
                 ends.push(b);
             } else if ends.len() > MOST_PIECES {
                 let message = format!(
@@ -232,6 +244,12 @@ impl Guide {
                 return Err(GuideFlaw::new(curve.key(), message, FINE));
             } else if b - a < shortest {
                 let near = rounded(middle, shortest);
+                // A kink misses no more than its tangents go within the piece.
+                let slopes: f64 = [a, b].iter().map(|u| self.line.at(*u)[1].norm()).sum();
+                if !(self.missed(a, b) <= slopes * (b - a) + ONE_PLACE.of(extent)) {
+                    let message = format!("has a gap near parameter {near}, or is steeper there than can be looked at");
+                    return Err(GuideFlaw::new(curve.key(), message, GAP));
+                }
                 let message =
                     format!("is not smooth near parameter {near}, looked at in pieces down to {shortest:.0e}");
                 return Err(GuideFlaw::new(curve.key(), message, KINK));
@@ -240,6 +258,13 @@ impl Guide {
             }
         }
         Ok(())
+    }
+
+    /// How far the end of a piece is from where its tangents lead from its beginning (m): something is within it that no look has met.
+    fn missed(&self, a: f64, b: f64) -> f64 {
+        let gone: Vector3<f64> = integral(a, b, |u| self.line.at(u)[1]);
+        let [begin, end] = [a, b].map(|u| self.line.at(u)[0]);
+        (end - begin - gone).norm()
     }
 
     fn is_resolved(&self, a: f64, b: f64) -> bool {
