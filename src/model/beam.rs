@@ -10,7 +10,7 @@ mod expand;
 mod locked;
 mod wound;
 
-pub(super) use cable::lay;
+pub(in crate::model) use cable::{Laid, lay, lay_once};
 pub(super) use check::check;
 pub(super) use expand::{Bodies, Expanded, expand};
 
@@ -74,6 +74,9 @@ pub struct FarEnd {
     pub clamped: [bool; 2],
     /// The tension at its start in the given positions, from which the unstretched length follows (N).
     pub pretension: Option<f64>,
+    /// The shape in which it begins, if its hinge, its length and what closes it have followed from other positions than those of the scene
+    /// that it is in: of a scene that a stage leaves.
+    pub(in crate::model) laid: Option<Laid>,
 }
 
 /// The centre line of a beam without strain.
@@ -291,7 +294,7 @@ impl BeamDescription {
     /// A cable between two points, free to swing at both, that bends and stretches.
     pub fn cable(name: &str, from: impl Into<Attachment>, to: impl Into<Attachment>) -> Self {
         let from = from.into();
-        let far = FarEnd { at: to.into(), clamped: [false; 2], pretension: None };
+        let far = FarEnd { at: to.into(), clamped: [false; 2], pretension: None, laid: None };
         let free = FreeStrains { bend: true, twist: false, stretch: true, shear: false };
         Self { far: Some(far), free, ..Self::new(name, HingeDescription::fixed().on(&from.body, from.point)) }
     }

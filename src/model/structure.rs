@@ -7,6 +7,7 @@
 mod order;
 
 use super::Model;
+use super::beam::lay_once;
 use super::couplings::{CoordinateName, DriveDescription, MotionDescription};
 use super::description::{Description, HingeDescription, HingeKind, WatchedDescription};
 use super::output::{Output, QuantityDescription};
@@ -15,6 +16,7 @@ use super::stage::{StageDescription, Verb, When};
 use crate::spatial::Pose;
 use crate::suggest;
 use nalgebra::UnitQuaternion;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What stages change.
@@ -22,7 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub enum Part {
     /// The hinge of this body.
     Hinge(usize),
-    /// Index into `Description::loops`.
+    /// Index into `Description::loops`, to which those follow that close cables, cable by cable.
     Loop(usize),
     /// Index into `Description::contacts`.
     Contact(usize),
@@ -41,10 +43,17 @@ fn parts(description: &Description) -> impl Iterator<Item = (Part, &str)> {
     }
     list(&description.bodies, Part::Hinge, |one| &one.name)
         .chain(list(&description.loops, Part::Loop, |one| &one.name))
+        .chain(cables(description))
         .chain(list(&description.contacts, Part::Contact, |one| &one.name))
         .chain(list(&description.drives, Part::Drive, |one| &one.name))
         .chain(list(&description.gears, Part::Gear, |one| &one.name))
         .chain(list(&description.motors, Part::Motor, |one| &one.name))
+}
+
+/// The loops of cables, which have their names.
+fn cables(description: &Description) -> impl Iterator<Item = (Part, &str)> {
+    let cables = description.beams.iter().filter(|beam| beam.far.is_some());
+    cables.enumerate().map(|(index, cable)| (Part::Loop(description.loops.len() + index), cable.name.as_str()))
 }
 
 /// What a verb and a name mean. A loop (or anything else that is no hinge) is locked by closing it, released by opening it.
@@ -175,7 +184,11 @@ impl Structure {
                 keeps(index - 1, one)
             });
         }
-        let mut scene = Description { stages: Vec::new(), ..whole.clone() };
+        // Cables lie as in the positions of the file, wherever the bodies at their ends are by now and whether they are closed.
+        let opens = |part: &Part| cables(whole).any(|(cable, _)| cable == *part);
+        let is_as_given = self.freed.is_empty() && !self.absent.iter().any(opens);
+        let whole = &if is_as_given { Cow::Borrowed(whole) } else { Cow::Owned(lay_once(whole)) };
+        let mut scene = Description { stages: Vec::new(), ..Description::clone(whole) };
         let is_freed = |name: &str| self.freed.keys().any(|body| whole.bodies[*body].name == name);
         for (body, pose) in &self.freed {
             let turn = pose.rotation;
@@ -413,7 +426,7 @@ fn wrong_name(description: &Description, verb: Verb, name: &str) -> Option<(Stri
     let known = || parts(description).filter(|(_, known)| *known == name);
     let Some((_, part)) = meant(description, verb, name) else {
         let near = suggest::closest(name, parts(description).map(|(_, name)| name));
-        let message = format!("there is no hinge, loop, contact, drive, gear or motor `{name}`");
+        let message = format!("there is no hinge, loop, cable, contact, drive, gear or motor `{name}`");
         return Some((message, near.map(|near| format!("did you mean `{near}`?"))));
     };
     if known().count() > 1 {

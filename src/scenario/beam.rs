@@ -7,7 +7,7 @@ use super::hinge::hinge;
 use super::reader::{Reader, numbers, only, rows};
 use crate::model::beam::MUCH_TURN;
 use crate::model::description::{
-    BeamDescription, BeamShape, FarEnd, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
+    BeamDescription, BeamShape, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
 };
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -35,7 +35,7 @@ pub(super) fn cable(table: &Reader<'_>) -> Option<BeamDescription> {
     };
     let ends = table.value("ends").and_then(|ends| ends.get_ref().as_array());
     let clamped = [0, 1].map(|end| ends.is_some_and(|ends| ends[end].get_ref().as_str() == Some("fixed")));
-    cable.far = cable.far.map(|far| FarEnd { clamped, pretension, ..far });
+    cable.far.iter_mut().for_each(|far| (far.clamped, far.pretension) = (clamped, pretension));
     cable.bending = table.number("bending");
     common(table, cable)
 }

@@ -26,13 +26,32 @@ impl Shape {
     }
 }
 
+/// A cable that has its hinge, its length and its loop already: the shape in which it begins, if it has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::model) struct Laid(Option<Shape>);
+
+/// A description whose cables have their hinges, lengths and loops, and keep them whatever positions it is given then: the loops come after
+/// those that it has, cable by cable. One without such a shape comes back as it is.
+pub(in crate::model) fn lay_once(given: &Description) -> Description {
+    let Ok((mut laid, shapes)) = lay(given) else { return given.clone() };
+    for (beam, shape) in laid.beams.iter_mut().zip(shapes) {
+        beam.far.iter_mut().for_each(|far| far.laid = Some(Laid(shape)));
+    }
+    laid
+}
+
 /// A description whose cables have their hinges, lengths and loops, and the shapes in which they begin, one per beam.
 ///
 /// # Errors
 /// Cables that have no shape between their ends.
 pub(in crate::model) fn lay(given: &Description) -> Result<(Description, Vec<Option<Shape>>), Vec<Problem>> {
     let (mut laid, mut shapes, mut problems) = (given.clone(), vec![None; given.beams.len()], Vec::new());
-    if given.beams.iter().all(|beam| beam.far.is_none()) {
+    let before = |beam: &BeamDescription| beam.far.as_ref().and_then(|far| far.laid);
+    for (shape, beam) in shapes.iter_mut().zip(&given.beams) {
+        *shape = before(beam).and_then(|Laid(shape)| shape);
+    }
+    // All cables of a scene are laid at once.
+    if given.beams.iter().all(|beam| beam.far.is_none() || before(beam).is_some()) {
         return Ok((laid, shapes));
     }
     let Some(ends) = ends(given) else {
