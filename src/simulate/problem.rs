@@ -104,6 +104,15 @@ impl Equations {
         }
     }
 
+    /// Scratch memory for a model that begins at a time (s) and in a state, which its loops, drives and gears agree with then.
+    pub(super) fn beginning(model: &Arc<Model>, time: f64, State { position, velocity }: &State) -> Self {
+        let mut motion = Self::new(model);
+        if let Some(passage) = &mut motion.passage {
+            passage.start(&mut motion.system, time, position, velocity);
+        }
+        motion
+    }
+
     /// The system at a time (s) and a state, for what is recorded between steps.
     pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
         self.system.at(time, q, v)

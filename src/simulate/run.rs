@@ -71,6 +71,8 @@ pub struct Summary {
     pub dissipated: f64,
     /// Largest |E − E₀ − work done + dissipated| at the ends of steps and at samples (J).
     pub energy_drift: f64,
+    /// The largest energy at the ends of steps and at samples: kinetic, kinetic plus potential, put in, taken out (J).
+    pub energy_largest: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
     pub constraint_error: f64,
     /// Outputs that were told with stages: which stage, the name of the number, the number.
@@ -292,6 +294,7 @@ impl Run<'_, '_> {
             work: account.work,
             dissipated: account.dissipated,
             energy_drift: self.ledger.drift,
+            energy_largest: self.ledger.largest,
             constraint_error: self.gap,
             state: self.state,
             model: Arc::clone(self.model),

@@ -2,14 +2,19 @@
 //!
 //! ```text
 //! (1)  M⁺ v⁺ + Gᵀ Λ = Jᵀ M v⁻,   G v⁺ = ċ        v⁻ the velocities of the bodies before, J those of the new coordinates
-//! (2)  E⁻ − E⁺                                    booked as dissipated, or as work if it is negative
+//! (2)  W = v⁺ᵀ M⁺ (v⁺ − v⁻) = T⁺ − T⁻ + T(v⁺ − v⁻)     work of drives that move: their impulses −Λ, times ċ
+//! (3)  E⁻ − E⁺ + W                                booked as dissipated, or as work if it is negative
 //! ```
 //!
 //! The bodies and their order stay the same. Where a hinge opens its body becomes free, with pose and velocity as they are: no
 //! velocity of a body changes, so that `v⁺` is a copy but for that body. What closes is a row more: (1) is the projection in the
 //! metric of the inertia by which a run settles any state on its rows, an impact without rebound that exchanges momentum at once.
-//! It never gains energy unless a drive of a moving coordinate does work in it. A spring of a hinge that opens keeps its energy:
-//! (2) has it among what goes out.
+//! It never gains energy unless a drive of a moving coordinate does work in it, which is (2), as Gᵀ Λ = M⁺ (v⁻ − v⁺): what is lost is
+//! the energy of the velocities that are lost (Carnot). A spring of a hinge that opens keeps its energy: (3) has it among what goes
+//! out.
+//!
+//! A model of another structure is built in the positions of the file, from which drives and gears count. From then on everything in
+//! it is of the instant at which its stage comes: where drives are, what closes, which rows are independent.
 //!
 //! A scene without stages does not come here: [`crate::simulate::entry`] asks once whether there are any.
 
@@ -17,9 +22,9 @@ mod relay;
 
 pub(super) use relay::scene;
 
-use crate::constraint::assemble;
+use crate::constraint::{assemble_at, open_at};
 use crate::contact::pairs::Untouchable;
-use crate::dynamics::System;
+use crate::dynamics::{Energies, Fault, System};
 use crate::model::description::{Description, StageDescription, When};
 use crate::model::problem::{in_one_line, number, significant};
 use crate::model::structure::Structure;
@@ -44,7 +49,7 @@ use relay::{Layout, Relay};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What closes may be open by this part of the scene's length: what the search for events leaves, many times over.
+/// What closes may be open by this part of the scene's length, or so many rad: what the search for events leaves, many times over.
 const OPEN: f64 = 1e-9;
 
 /// Refuses what stages do not go with.
@@ -245,33 +250,59 @@ impl Staged<'_> {
             let why: Vec<String> = problems.iter().map(ToString::to_string).collect();
             stop(format!("{}; let the parts meet before it closes", why.join("; ")))
         };
-        let (next, assembly) = assemble(next).map_err(apart)?;
-        let (open, allowed) = (assembly.given_gap, OPEN * next.length_scale());
-        if open > allowed {
-            let why = format!(
-                "what closes is open by {} m, allowed: {} m; let the parts meet before it closes",
-                number(open),
-                significant(allowed, 2)
-            );
-            return Err(stop(why));
-        }
+        meets(&next, time).map_err(stop)?;
+        let (next, _) = assemble_at(next, time).map_err(apart)?;
         apart_or_closed(&next, gap, &state.position).map_err(stop)?;
-        let mut new = Equations::new(&next);
-        new.settle(time, &mut state.position, &mut state.velocity).map_err(fault)?;
-        let after = new.energies(time, &state.position, &state.velocity);
-        let lost = energy.kinetic + energy.potential - after.kinetic - after.potential;
+        let (after, work) = exchanged(&next, time, &mut state).map_err(fault)?;
+        let lost = energy.kinetic + energy.potential - after.kinetic - after.potential + work;
         let start = energy.kinetic + energy.potential;
-        let none = Booked { start, work: 0.0, dissipated: 0.0, drift: 0.0, has_run: false };
+        let largest = energy.kinetic.max(start.abs());
+        let none = Booked { start, work: 0.0, dissipated: 0.0, drift: 0.0, largest, has_run: false };
         let booked = self.booked.get_or_insert(none);
+        booked.work += work;
         *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
         (self.model, self.state) = (next, state);
-        let size = energy.kinetic.abs() + energy.potential.abs() + after.kinetic.abs() + after.potential.abs();
+        let size = energy.size() + after.size() + work.abs();
         let value = if ENERGY.hides(lost, size) { 0.0 } else { lost };
         let happened = Occurrence { time, kind: Kind::Stage, name, value, speed: 0.0, between: None };
         recorder.event(&Event { time, name: happened.name.clone(), text: happened.to_string() })?;
         self.happened.push(happened);
         Ok(())
     }
+}
+
+/// Loops, drives and gears meet where a model starts, at a time (s).
+fn meets(model: &Model, time: f64) -> Result<(), String> {
+    let Some(open) = open_at(model, time) else { return Ok(()) };
+    let (gap, allowed, unit) = match open.angle {
+        Some(angle) => (angle, OPEN, "rad"),
+        None => (open.gap, OPEN * model.length_scale(), "m"),
+    };
+    if gap <= allowed {
+        return Ok(());
+    }
+    Err(format!(
+        "{} is open by {}, allowed: {} {unit}; let the parts meet before it closes",
+        open.element,
+        open.words(),
+        significant(allowed, 2)
+    ))
+}
+
+/// (1): the state on all rows of the new structure; with its energies, and what drives put into the exchange (J), (2).
+fn exchanged(model: &Arc<Model>, time: f64, state: &mut State) -> Result<(Energies, f64), Fault> {
+    let mut motion = Equations::beginning(model, time, state);
+    let before = state.velocity.clone();
+    motion.settle(time, &mut state.position, &mut state.velocity)?;
+    let after = motion.energies(time, &state.position, &state.velocity);
+    if model.drives.iter().all(|drive| drive.motion.at(time).velocity == 0.0) {
+        return Ok((after, 0.0));
+    }
+    let lost: Vec<f64> = state.velocity.iter().zip(&before).map(|(after, before)| after - before).collect();
+    let mut kinetic = |velocity: &[f64]| motion.energies(time, &state.position, velocity).kinetic;
+    let [old, lost] = [kinetic(&before), kinetic(&lost)];
+    let work = after.kinetic - old + lost;
+    Ok((after, if ENERGY.hides(work, after.kinetic + old + lost) { 0.0 } else { work }))
 }
 
 /// Bodies whose contacts act from now on do not overlap by more than counts as closed.
@@ -342,18 +373,32 @@ pub(super) fn run(
         staged.time = summary.end_time;
         staged.state.clone_from(&summary.state);
         staged.outputs.clone_from(&summary.outputs);
-        let (work, dissipated, drift) = (summary.work, summary.dissipated, summary.energy_drift);
-        staged.booked = Some(Booked { start: summary.energy_start, work, dissipated, drift, has_run: true });
+        staged.booked = Some(Booked::of(&summary));
         event.clone_from(&summary.stopped_by);
         let goes_on = match &event {
             Some(name) => !staged.due(Some(name)).is_empty(),
-            None => !summary.interrupted && summary.end_time < TIME.below(end),
+            // What comes at the end of the run comes.
+            None => !summary.interrupted && (summary.end_time < TIME.below(end) || !staged.due(None).is_empty()),
         };
         if !goes_on {
             let pending = staged.pending().map(|(_, stage)| (stage.name.clone(), stage.when.clone())).collect();
             return Ok(Summary { told: staged.told, pending, ..summary });
         }
         total = Some(Summary { stopped_by: None, ..summary });
+    }
+}
+
+impl Booked {
+    /// Of a run that has ended.
+    fn of(summary: &Summary) -> Self {
+        Self {
+            start: summary.energy_start,
+            work: summary.work,
+            dissipated: summary.dissipated,
+            drift: summary.energy_drift,
+            largest: summary.energy_largest,
+            has_run: true,
+        }
     }
 }
 

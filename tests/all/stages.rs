@@ -17,6 +17,9 @@ use stillpoint::scenario::{self, Scenario};
 use stillpoint::simulate::events::Kind;
 use stillpoint::simulate::{self, Integrator, Settings, State, Summary};
 
+mod cables;
+mod drives;
+mod ends;
 mod input;
 mod launcher;
 

@@ -49,29 +49,23 @@ pub(in crate::cli) fn verified(verified: &Verified) -> String {
     out
 }
 
-/// More than this part of all energies that is unaccounted for makes the rest worth little, if it is more than that part of the weight over
+/// More than this part of the largest energy of the run that is unaccounted for makes the rest worth little, if it is more than that part of the weight over
 /// the scene's length, too: energies may cancel.
 const DOUBTFUL: f64 = 0.01;
 const NOTICEABLE: f64 = 1e-4;
 
 /// The size of the energies of a run (J): heights are known to the round-off of the scene's length, whatever their sum is.
 fn scale(model: &Model, summary: &Summary) -> f64 {
-    largest(summary).max(model.total_mass() * model.gravity.norm() * model.length_scale())
-}
-
-/// The largest of the energies of a run (J).
-fn largest(summary: &Summary) -> f64 {
-    let Summary { energy_start, energy_end, work, dissipated, .. } = *summary;
-    [energy_start, energy_end, work, dissipated].iter().fold(0.0, |most, energy| most.max(energy.abs()))
+    summary.energy_largest.max(model.total_mass() * model.gravity.norm() * model.length_scale())
 }
 
 /// What is to be known before anything else is believed of a run.
 pub(in crate::cli) fn doubt(model: &Model, summary: &Summary) -> Option<String> {
-    let (drift, scale, largest) = (summary.energy_drift, scale(model, summary), largest(summary));
+    let (drift, scale, largest) = (summary.energy_drift, scale(model, summary), summary.energy_largest);
     let captured = if summary.capture_steps > 0 { ", or give what is stiff some damping" } else { "" };
     (drift > DOUBTFUL * largest && drift > NOTICEABLE * scale).then(|| {
         format!(
-            "{} % of all energy is unaccounted for: what the run says is as doubtful as that; take a smaller `tolerance`{captured}",
+            "{} % of the largest energy of the run is unaccounted for: what the run says is as doubtful as that; take a smaller `tolerance`{captured}",
             small(100.0 * drift / largest)
         )
     })

@@ -32,7 +32,7 @@ impl Prepared {
         may_rest: bool,
     ) -> Result<(Self, Equations), RunError> {
         let begin = settings.begin();
-        let (mut motion, mut state) = (Equations::new(model), start.clone());
+        let (mut motion, mut state) = (Equations::beginning(model, begin, start), start.clone());
         motion
             .system
             .settle(begin, &mut state.position, &mut state.velocity)
@@ -43,7 +43,7 @@ impl Prepared {
         let Some(held) = held else {
             return Ok((Self { model: Arc::clone(model), state, contacts: Vec::new(), rests: false }, motion));
         };
-        let mut motion = Equations::new(&held.model);
+        let mut motion = Equations::beginning(&held.model, begin, &state);
         motion.resting = held.by_rule;
         Ok((Self { model: held.model, state, contacts: held.contacts, rests: true }, motion))
     }

@@ -38,10 +38,12 @@ impl Run<'_, '_> {
         let acted = self.control.as_ref().is_some_and(|control| control.acted(time));
         let begins = settings.resume.filter(|resume| resume.time == time);
         let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
+        // After a stage at the very end of a run no step follows.
+        let lasts = |length: &f64| *length > 0.0 || begins.is_none();
         let options = Options {
             relative: settings.tolerance,
             absolute: settings.absolute_tolerance,
-            duration: Some(settings.duration),
+            duration: Some(settings.duration).filter(lasts),
             step: fixed.or(carried).or(settings.step.filter(|_| begins.is_none())).or(resumed).or(settings.step),
             // Of controllers every instant begins a grid.
             grid: begins.and(fixed).filter(|_| !acted && fixed == given).and_then(|step| resumed_grid(settings, step)),

@@ -39,6 +39,8 @@ pub(in crate::simulate) struct Ledger {
     dissipated: f64,
     /// Largest imbalance so far (J).
     pub drift: f64,
+    /// The largest energy so far: kinetic, kinetic plus potential, put in, taken out (J).
+    pub largest: f64,
     /// The last one (J).
     error: f64,
     /// Whether any power flows that no potential stands for.
@@ -67,6 +69,7 @@ pub(in crate::simulate) struct Booked {
     pub(in crate::simulate) work: f64,
     pub(in crate::simulate) dissipated: f64,
     pub(in crate::simulate) drift: f64,
+    pub(in crate::simulate) largest: f64,
     /// Whether a run has come before it: a structure may change at the very start.
     pub(in crate::simulate) has_run: bool,
 }
@@ -74,8 +77,9 @@ pub(in crate::simulate) struct Booked {
 impl Ledger {
     /// Goes on with what an earlier run has booked.
     pub(in crate::simulate) fn going_on(self, booked: Option<&Booked>) -> Self {
-        let Some(&Booked { start, work, dissipated, drift, .. }) = booked else { return self };
-        Self { start: Energies { kinetic: start, potential: 0.0 }, work, dissipated, drift, ..self }
+        let Some(&Booked { start, work, dissipated, drift, largest, .. }) = booked else { return self };
+        let largest = largest.max(self.largest);
+        Self { start: Energies { kinetic: start, potential: 0.0 }, work, dissipated, drift, largest, ..self }
     }
 
     pub(in crate::simulate) fn new(model: &Model, time: f64, start: Energies) -> Self {
@@ -89,7 +93,9 @@ impl Ledger {
             || !model.drives.is_empty()
             || !model.motors.is_empty();
         let stages = StagePowers { step: [f64::NAN; 2], powers: Vec::with_capacity(MOST_STAGES) };
-        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, error: 0.0, flows, undisturbed: true, stages }
+        let largest = start.kinetic.max((start.kinetic + start.potential).abs());
+        let (work, dissipated, drift, error) = (0.0, 0.0, 0.0, 0.0);
+        Self { start, time, work, dissipated, drift, largest, error, flows, undisturbed: true, stages }
     }
 
     /// Integrates powers up to a time within the last step, `state` being scratch: a scene without dampers, loads and motors
@@ -168,6 +174,8 @@ impl Ledger {
         let energy = self.energy(now);
         self.error = energy.error;
         self.drift = self.drift.max(energy.error.abs());
+        let sizes = [now.kinetic, now.kinetic + now.potential, energy.work, energy.dissipated];
+        self.largest = sizes.iter().fold(self.largest, |most, energy| most.max(energy.abs()));
         energy
     }
 
