@@ -25,7 +25,7 @@ use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use trace::{OffStops, StopChange, Tracer, seeds};
+use trace::{OffStops, Seed, StopChange, Tracer, seeds};
 
 /// Branches that are followed, the first one included.
 const MOST_BRANCHES: usize = 24;
@@ -176,6 +176,38 @@ enum Change {
     Off(OffStops),
 }
 
+impl Change {
+    /// The stops that bear on it.
+    fn set(&self) -> &Set {
+        match self {
+            Self::Stop(change) => &change.set,
+            Self::Off(off) => &off.set,
+        }
+    }
+
+    /// Its first point, beside this one of its parent.
+    fn seed(&self, tracer: &mut Tracer<'_>, point: &PathPoint, parent: (usize, usize)) -> Option<Seed> {
+        match self {
+            Self::Stop(change) => tracer.onward(change, parent),
+            Self::Off(off) => tracer.leaving(off, point, parent),
+        }
+    }
+
+    /// What is said if it has none.
+    fn missing(&self, model: &Model, settings: &PathSettings, at: f64, branch: usize) -> String {
+        let (at, parameter) = (number(at), &settings.parameter);
+        match self {
+            Self::Stop(change) => {
+                let stop = model.label(model.stops[change.index].velocity);
+                format!(
+                    "branch {branch} ends on the stop of {stop} at `{parameter}` = {at}: none was found that goes on from there"
+                )
+            }
+            Self::Off(_) => format!("bifurcation at {at}: no branch was found within a step of it off its stops"),
+        }
+    }
+}
+
 /// Follows the equilibrium that is found at `from`.
 ///
 /// # Errors
@@ -222,28 +254,12 @@ pub fn follow(
     loop {
         let Some(seed) = queue.pop_front() else {
             let Some((change, parent)) = changes.pop_front() else { break };
-            let point = &path.branches[parent.0].points[parent.1];
-            let value = number(point.parameter);
-            let (set, missing) = match &change {
-                Change::Stop(change) => (&change.set, {
-                    let stop = model.label(model.stops[change.index].velocity);
-                    format!(
-                        "branch {} ends on the stop of {stop} at `{}` = {value}: none was found that goes on from there",
-                        parent.0, settings.parameter
-                    )
-                }),
-                Change::Off(off) => {
-                    (&off.set, format!("bifurcation at {value}: no branch was found within a step of it off its stops"))
-                }
-            };
-            tracer = Tracer::new(family(point.parameter, &point.position, set.clone())?, settings);
-            let seed = match &change {
-                Change::Stop(change) => tracer.onward(change, parent),
-                Change::Off(off) => tracer.leaving(off, point, parent),
-            };
+            let point = path.branches[parent.0].points[parent.1].clone();
+            tracer = Tracer::new(family(point.parameter, &point.position, change.set().clone())?, settings);
+            let seed = change.seed(&mut tracer, &point, parent);
             if seed.is_none() {
                 path.complete &= matches!(change, Change::Off(_));
-                path.notes.push(missing);
+                path.notes.push(change.missing(&model, settings, point.parameter, parent.0));
             }
             queue.extend(seed);
             continue;

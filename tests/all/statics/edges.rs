@@ -8,6 +8,7 @@ use std::sync::Arc;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::scenario;
+use stillpoint::statics::path::{EventKind, follow};
 use stillpoint::statics::{Equilibrium, Settings, StabilityVerdict, Want, equilibrium};
 
 const SCENES: u64 = 400;
@@ -228,4 +229,47 @@ fn poles_at_one_sided_places_are_stable_if_they_are_on_every_side() {
 #[test]
 fn poles_at_one_sided_places_are_judged_by_their_motion_if_loads_have_no_potential() {
     assert_verdicts(true);
+}
+
+/// An upright pole at a stop that bears nothing falls off it until its spring is `m g c` stiff: a path has its bifurcation there, and the
+/// branch `k q = m g c sin q` on the open side.
+#[test]
+fn a_path_at_a_stop_that_bears_nothing_bifurcates_where_the_open_side_gives_way() {
+    for seed in 0..12 {
+        let random = &mut Random::new(seed);
+        let (mass, center) = (random.between(0.2, 3.0), random.between(0.2, 1.0));
+        let critical = mass * G * center;
+        let (limits, side) = [("[0.0, 2.9]", 1.0), ("[-2.9, 0.0]", -1.0)][random.below(2)];
+        let (from, to) = (0.5 * critical, critical * random.between(1.5, 3.0));
+        let text = format!(
+            "[statics]\nwant = \"any\"\npath = {{ parameter = \"p.stiffness\", from = {from:?}, to = {to:?} }}\n\
+             [[body]]\nname = \"p\"\nmass = {mass:?}\ncenter = [0, 0, {center:?}]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], limits = {limits}, stiffness = {from:?} }}\n"
+        );
+        let scenario = scenario::parse("edge.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        let settings = scenario.path.as_ref().expect("a path");
+        let path = follow(&scenario.description, &scenario.statics, settings, &mut |_| true).expect("a path");
+        let events: Vec<(EventKind, f64)> =
+            path.events().map(|(_, point)| (point.event.as_ref().expect("an event").kind, point.parameter)).collect();
+        assert_eq!(events.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), [EventKind::Bifurcation], "{text}");
+        // Stiffness counts from 1e-9 of its terms on.
+        assert!((events[0].1 / critical - 1.0).abs() < 1e-8, "{events:?} of {critical}\n{text}");
+        for point in &path.branches[0].points {
+            let expected = match point.parameter {
+                k if k < critical * (1.0 - 1e-8) => StabilityVerdict::Unstable,
+                k if k > critical * (1.0 + 1e-8) => StabilityVerdict::Stable,
+                _ => StabilityVerdict::Neutral,
+            };
+            assert_eq!(point.verdict, expected, "at {} of {critical}\n{text}", point.parameter);
+        }
+        assert_eq!(path.branches.len(), 2, "{:?}\n{text}", path.notes);
+        for point in &path.branches[1].points {
+            let q = point.position[0];
+            assert!(
+                side * q > 0.0 && (point.parameter * q - critical * q.sin()).abs() < 1e-8 * critical,
+                "{q}\n{text}"
+            );
+            assert_eq!(point.verdict, StabilityVerdict::Stable, "{text}");
+        }
+    }
 }
