@@ -28,8 +28,9 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use std::sync::Arc;
 
-/// `μ` of (2): with the largest that leaves a fall what leaves a row and what follows it are of one size.
-const SLACKS: [f64; 3] = [1e-3, 1e-6, NEUTRAL];
+/// `μ` of (2): with the largest that leaves a fall what leaves a row and what follows it are of one size. `S` errs by the square of it, and
+/// by the round-off over it, since the inverse of `C` keeps no more digits beside motions without stiffness: both are below [`NEUTRAL`] with the last.
+const SLACKS: [f64; 2] = [1e-3, 1e-6];
 /// A row is linearly dependent on others if no more than this part of its square is across them: a coordinate that moves by 10⁻⁶ of
 /// what the others do follows from how exactly loops are closed.
 const DEPENDENT: f64 = 1e-12;
@@ -199,17 +200,19 @@ pub(super) fn cones(sided: &[Sided]) -> Vec<Vec<bool>> {
 fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Option<Leaving>, Fault> {
     landscape.look(&place.q)?;
     let sizes = comparable(&place.scales.stiffness);
-    let mut last = None;
+    let mut all = Vec::new();
     for slack in SLACKS {
         let Some(seen) = Seen::of(landscape, rows, &sizes, slack) else { continue };
         if let Some(v) = seen.violation(rows, sided, NEUTRAL) {
             return Ok(Some(seen.leaving(landscape, rows, sided, &v, true)));
         }
-        last = Some(seen);
+        all.push(seen);
     }
-    let Some(seen) = last else { return Ok(None) };
-    let v = seen.violation(rows, sided, -NEUTRAL);
-    Ok(v.map(|v| seen.leaving(landscape, rows, sided, &v, false)))
+    let stays = |seen: &Seen| {
+        let v = seen.violation(rows, sided, -NEUTRAL)?;
+        Some(seen.leaving(landscape, rows, sided, &v, false))
+    };
+    Ok(all.iter().find_map(stays))
 }
 
 /// (2) and (3).
