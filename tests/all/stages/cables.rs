@@ -21,8 +21,8 @@ between = [{ body = "ground", at = [0, 0, 1.0] }, "m.e"]
 length = 1.43
 bending = 0.0
 section = { circle = 0.004 }
-material = { young = 1e7, density = 1000.0 }
-elements = 3
+material = { young = 1e6, density = 1000.0 }
+elements = 2
 damping = 0.01
 "#;
 
@@ -35,17 +35,17 @@ fn scene(ends: &str) -> Description {
 /// goes. The mast falls by itself from then on.
 #[test]
 fn a_cable_that_snaps_lets_go_and_moves_nothing() {
-    for seed in 0..12 {
+    for seed in 0..6 {
         let mut random = Random::new(seed);
         let ends =
             ["[\"spherical\", \"spherical\"]", "[\"fixed\", \"spherical\"]", "[\"fixed\", \"fixed\"]"][random.below(3)];
-        let (mut description, when) = (scene(ends), random.between(0.02, 0.2));
+        let (mut description, when) = (scene(ends), random.between(0.01, 0.05));
         let mut open = stage(when);
         open.open.push(["stay", "m"][random.below(2)].to_owned());
         let snaps = open.open[0] == "stay";
         description.stages.push(open);
         let model = build(&description);
-        let before = ran(&model, &given(&model), when.next_down());
+        let before = ran(&model, &given(&model), when * (1.0 - 1e-12));
         let after = ran(&model, &given(&model), when);
         assert_eq!((before.events.len(), after.events.len()), (0, 1), "seed {seed}");
         for body in &before.model.bodies {
@@ -57,7 +57,7 @@ fn a_cable_that_snaps_lets_go_and_moves_nothing() {
         }
         assert!((before.energy_end - after.energy_end).abs() < 1e-7, "seed {seed}: {}", after.energy_end);
         assert!((before.dissipated - after.dissipated).abs() < 1e-7, "seed {seed}");
-        let later = ran(&model, &given(&model), when + 0.05);
+        let later = ran(&model, &given(&model), when + 0.02);
         assert!(later.energy_drift < 1e-6, "seed {seed}: {:e}", later.energy_drift);
         if snaps {
             // ½ I ω² = m g (z − z₀) of the mast alone.
