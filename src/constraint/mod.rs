@@ -434,36 +434,6 @@ impl Constraints {
         largest
     }
 
-    /// Where the widest gap of the last placement of all rows is.
-    pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
-        let Largest { absolute: gap, row, .. } = self.largest(motion, Rate::Gap, true);
-        self.open_gap(row, gap)
-    }
-
-    /// Where the gap of the last placement of all rows is that is widest beside a length (m), or 1 rad.
-    pub(crate) fn widest_beside(&self, motion: &Motion, length: f64) -> OpenGap {
-        let mut widest = (0.0, None, 0.0);
-        for element in &self.elements {
-            for row in element.rows.clone() {
-                let gap = self.rate(row, element.links(), motion, Rate::Gap).abs();
-                let part = if self.rules[row].turns() { gap } else { gap / length };
-                // A gap that is not a number is the widest of all.
-                if !(part <= widest.0) {
-                    widest = (part, Some(row), gap);
-                }
-            }
-        }
-        let (_, row, gap) = widest;
-        self.open_gap(row, gap)
-    }
-
-    /// The gap of a row in its own unit; `gap` as a length (m).
-    fn open_gap(&self, row: Option<usize>, gap: f64) -> OpenGap {
-        let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |element| element.name.clone());
-        let angle = row.and_then(|row| self.rules[row].angle(self.placed[row].gap));
-        OpenGap { element, gap, angle }
-    }
-
     /// What a row says in metres or radians, in parts of its component's reach or radians.
     fn relative(&self, row: usize, value: f64) -> f64 {
         if self.rules[row].turns() { value } else { value / self.reaches[row] }
