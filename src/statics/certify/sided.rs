@@ -199,7 +199,11 @@ pub(super) fn cones(sided: &[Sided]) -> Vec<Vec<bool>> {
 /// A motion that (4) says leaves: one that falls, or else one that stays as it is.
 fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Option<Leaving>, Fault> {
     landscape.look(&place.q)?;
-    let sizes = comparable(&place.scales.stiffness);
+    // Where nothing has any stiffness all sizes are as good.
+    let sizes = match place.scales.stiffness.iter().all(|size| *size == 0.0) {
+        true => landscape.metric.clone(),
+        false => comparable(&place.scales.stiffness),
+    };
     let mut all = Vec::new();
     for slack in SLACKS {
         let Some(seen) = Seen::of(landscape, rows, &sizes, slack) else { continue };
