@@ -25,9 +25,8 @@ use crate::dynamics::Boundary;
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
-use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, StopSide, Watched};
-use crate::round_off::{EVENT_TIME, WATCHED};
+use crate::round_off::WATCHED;
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Equations;
@@ -443,11 +442,6 @@ impl Events {
         Ok(Some(time))
     }
 
-    /// How exactly a change of sign within an interval is located (s).
-    fn width(motion: &Equations, [left, right]: [f64; 2]) -> f64 {
-        0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale())
-    }
-
     /// The transition that a change of sign is, if it is one, the state being that at its time.
     fn transition(&self, motion: &Equations, index: usize) -> Option<Transition> {
         let Watch { function, positive, .. } = self.watches[index];
@@ -478,19 +472,6 @@ impl Events {
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Transition::Stop(event))
             }
-        }
-    }
-
-    /// Whether a change of sign of an event of the model goes the way that counts.
-    fn counts(&self, model: &Model, index: usize) -> bool {
-        let Watch { function: Function::User(event), positive, found, .. } = self.watches[index] else { return false };
-        if self.jumps[event].is_made(found) {
-            return false;
-        }
-        match model.events[event].direction {
-            Direction::Up => !positive,
-            Direction::Down => positive,
-            Direction::Both => true,
         }
     }
 

@@ -4,7 +4,9 @@
 //! Such an event comes first. What follows it may have no stop and no curve any more: a stage that opens the hinge lets the body fly on. If
 //! the run goes on with the stop, it is struck at once.
 
-use super::{Equations, Events, Function, RunError, Stepper, Transition};
+use super::{Equations, Events, Function, Model, RunError, Stepper, TIME, Transition, Watch};
+use crate::model::watch::Direction;
+use crate::round_off::EVENT_TIME;
 
 impl Events {
     /// The event at which a run ends that is crossed at the end of an interval, with the time of a search around it: its place in the list,
@@ -40,5 +42,23 @@ impl Events {
         }
         self.move_to(motion, stepper, until)?;
         Ok(found)
+    }
+
+    /// Whether a change of sign of an event of the model goes the way that counts.
+    pub(super) fn counts(&self, model: &Model, index: usize) -> bool {
+        let Watch { function: Function::User(event), positive, found, .. } = self.watches[index] else { return false };
+        if self.jumps[event].is_made(found) {
+            return false;
+        }
+        match model.events[event].direction {
+            Direction::Up => !positive,
+            Direction::Down => positive,
+            Direction::Both => true,
+        }
+    }
+
+    /// How exactly a change of sign within an interval is located (s).
+    pub(super) fn width(motion: &Equations, [left, right]: [f64; 2]) -> f64 {
+        0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale())
     }
 }
