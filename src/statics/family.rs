@@ -8,7 +8,7 @@ use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::closed;
 use crate::statics::certify::growing::Along;
-use crate::statics::certify::sided::Sides;
+use crate::statics::certify::sides::Sides;
 use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
 use crate::statics::certify::weak::{self, Around};
 use crate::statics::problem::assembled::Assembled;

@@ -83,13 +83,6 @@ impl Compiler<'_> {
     fn check_names(&mut self) {
         let mut seen = HashSet::new();
         let description = self.description;
-        let of_hinges: HashSet<String> = (self.model.bodies.iter())
-            .flat_map(|body| {
-                let kind = &body.hinge.kind;
-                let names = kind.positions().iter().chain(kind.velocities());
-                names.map(|(name, _)| format!("{}.{name}", body.name)).collect::<Vec<_>>()
-            })
-            .collect();
         for (index, output) in description.outputs.iter().enumerate() {
             let name = output.name.as_str();
             if name.is_empty() {
@@ -103,9 +96,6 @@ impl Compiler<'_> {
                     "an output cannot be called `time`".to_owned(),
                     "tables have a column of that name",
                 );
-            } else if of_hinges.contains(name) {
-                let message = format!("an output cannot be called `{name}`");
-                self.add(index, "name", message, "that is a coordinate of a hinge, which tables have, too");
             } else if !seen.insert(name) {
                 self.add(index, "name", format!("two outputs are called `{name}`"), "names must be unique");
             }

@@ -5,7 +5,6 @@ use super::closed;
 use super::known;
 use super::stability::{Stability, StabilityVerdict};
 use super::unbalanced::describe;
-use super::weak::ONLY_UNSTABLE;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side};
@@ -17,6 +16,10 @@ use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::settings::{Method, Settings, Want};
 use crate::statics::standing::answer::StandingReport;
 use std::sync::Arc;
+
+/// What is said of an unstable answer where a stable one was wanted.
+pub(in crate::statics) const ONLY_UNSTABLE: &str =
+    "only an unstable equilibrium was found; `want = \"any\"` would accept it";
 
 /// What the search found, with the evidence.
 #[derive(Debug, Clone)]

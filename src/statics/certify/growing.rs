@@ -11,7 +11,7 @@
 
 use super::copositive::MOST_ENUMERATED;
 use super::damped;
-use super::sided::{Beyond, Leaving, Sided, Sides, cones};
+use super::sides::{Beyond, Leaving, Sided, Sides, cones};
 use crate::dynamics::{Fault, Linearization};
 use crate::round_off::EIGENVECTOR;
 use crate::statics::problem::Landscape;

@@ -8,7 +8,7 @@
 //! ```
 
 use super::bearing::unit;
-use super::sided::{Beyond, Sided};
+use super::sides::{Beyond, Sided};
 use super::stability::MOST_DENSE;
 use crate::dynamics::{Fault, System};
 use crate::force::Act;

@@ -10,7 +10,7 @@
 //! | `closed` | with loops, drives and gears: motions along the closed positions |
 //! | `bearing` | which stops bear, and the scene in which they do |
 //! | `weak` | stops that bear nothing and kinks of forces: what happens on each side; `kinks` finds the latter |
-//! | `sided`, `rays`, `growing` | the cones on the sides of all of them, and the stiffness or the motion there |
+//! | `sides`, `sided`, `rays`, `growing` | the cones on the sides of all of them, and the stiffness or the motion there |
 //! | `cone`, `copositive` | the critical cone of a search in a tree, and whether a stiffness is copositive |
 //! | `falling` | motions that nothing ends |
 
@@ -29,6 +29,7 @@ pub(super) mod known;
 pub(super) mod modes;
 mod rays;
 pub(super) mod sided;
+pub(super) mod sides;
 pub(super) mod stability;
 mod subspace;
 pub(super) mod unbalanced;

@@ -1,9 +1,10 @@
 //! What is one-sided at an equilibrium: stops that are touched and bear nothing, and kinks of forces. What happens on either side?
 
 use super::bearing::{self, PULLS, Set, unit};
-use super::equilibrium::Equilibrium;
+use super::equilibrium::{Equilibrium, ONLY_UNSTABLE};
 use super::kinks;
-use super::sided::{Beyond, Leaving, Sided, Sides, look};
+use super::sided::look;
+use super::sides::{Beyond, Leaving, Sided, Sides};
 use super::stability::StabilityVerdict;
 use crate::dynamics::Fault;
 use crate::model::{Model, Side, Stop, StopLaw};
@@ -140,10 +141,6 @@ pub(in crate::statics) fn examine(
     }
     Ok(None)
 }
-
-/// What is said of an unstable answer where a stable one was wanted.
-pub(in crate::statics) const ONLY_UNSTABLE: &str =
-    "only an unstable equilibrium was found; `want = \"any\"` would accept it";
 
 impl Leaving {
     fn note(&self, model: &Model) -> String {

@@ -3,7 +3,7 @@
 use super::{BranchEnd, EventKind, PathBranch, PathEvent, PathPoint, PathSettings};
 use crate::model::Side;
 use crate::statics::certify::bearing::Set;
-use crate::statics::certify::sided::{Leaving, Sides};
+use crate::statics::certify::sides::{Leaving, Sides};
 use crate::statics::certify::stability::StabilityVerdict;
 use crate::statics::certify::weak::Around;
 use crate::statics::family::{Count, Moving};

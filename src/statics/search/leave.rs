@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::statics::baseline::relaxation;
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::equilibrium::Equilibrium;
-use crate::statics::certify::sided::Leaving;
+use crate::statics::certify::sides::Leaving;
 use crate::statics::certify::weak;
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;

@@ -70,11 +70,6 @@ fn mistakes_are_told_with_a_hint() {
         ("name = \"x\"\ntype = \"section\"\nof = \"arm\"\ns = 0.1", "no beam or cable is called `arm`", ""),
         ("name = \"t\"\ntype = \"orientation\"\nof = \"arm\"", "cannot be called `t`", "the time"),
         ("name = \"time\"\ntype = \"orientation\"\nof = \"arm\"", "cannot be called `time`", "a column of that name"),
-        (
-            "name = \"arm.angle\"\ntype = \"orientation\"\nof = \"arm\"",
-            "cannot be called `arm.angle`",
-            "coordinate of a hinge",
-        ),
         ("type = \"orientation\"\nof = \"arm\"", "`name` is missing", "camber"),
     ];
     for (output, message, hint) in cases {
