@@ -116,7 +116,7 @@ fn compare(name: &str, description: &Description, every: usize, skip: usize) -> 
 fn with_loads(mut scene: Description) -> Description {
     let tip = scene.bodies[1].name.clone();
     let reaction = QuantityDescription::Reaction { body: "b0".into(), component: None, axes: Axes::Body };
-    scene.outputs.push(OutputDescription::new("r", reaction));
+    scene.outputs.push(OutputDescription::new("passed on", reaction));
     scene.outputs.push(OutputDescription::new("o", QuantityDescription::Orientation { body: tip }));
     scene.outputs.push(OutputDescription::new("V", QuantityDescription::Energy(EnergyKind::Potential)));
     for closed in scene.loops.clone() {

@@ -118,7 +118,7 @@ fn beside(stiffness: &Mat<f64>, rows: &[Vec<f64>], row_sizes: &[f64], sided: &[S
     sum
 }
 
-/// Sets of stops that may hold: all but that of all of them, if there are any; few of many.
+/// Sets of stops that may hold; few of many. Along all of them motions are known to come back, but where there are several cones.
 fn sets(stops: &[usize], motions: usize, cones: usize) -> Vec<Vec<usize>> {
     let count = stops.len();
     if count == 0 {
@@ -128,10 +128,11 @@ fn sets(stops: &[usize], motions: usize, cones: usize) -> Vec<Vec<usize>> {
     if count <= MOST_ENUMERATED && (cones << count).saturating_mul(each) <= MOST_WORK {
         let of =
             |set: usize| stops.iter().enumerate().filter(|(bit, _)| set >> bit & 1 == 1).map(|(_, k)| *k).collect();
-        return (0..(1_usize << count) - 1).map(of).collect();
+        return (0..(1_usize << count) - usize::from(cones == 1)).map(of).collect();
     }
     let but = |one: &usize| stops.iter().copied().filter(|k| k != one).collect();
-    std::iter::once(Vec::new()).chain(stops.iter().map(but)).collect()
+    let all = (cones > 1).then(|| stops.to_vec());
+    std::iter::once(Vec::new()).chain(stops.iter().map(but)).chain(all).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
