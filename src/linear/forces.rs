@@ -80,15 +80,6 @@ struct Shares {
     held: Vec<f64>,
 }
 
-/// What stops do.
-#[derive(Default)]
-pub(super) struct Stopped {
-    /// What they push each velocity coordinate with (N or N m).
-    pub(super) stops: Vec<f64>,
-    /// What compliant ones have stored (J).
-    pub(super) energy: f64,
-}
-
 impl<'a> Beside<'a> {
     /// The place, if outputs have numbers that are not known; with the multipliers of the rows solved for. `all` has the variations of all numbers, column by column.
     ///
@@ -240,14 +231,13 @@ impl<'a> Beside<'a> {
         crate::motion::displace(&model, &mut q, &along.position.iter().map(|x| h * x).collect::<Vec<f64>>());
         let v = moved(&self.place.velocity, along.velocity);
         let a = moved(self.accelerations, along.acceleration);
-        let Stopped { stops, energy } = self.stopped(&model, [&q, &v], moved(&self.held, &shares.held));
+        let stops = self.stopped(&model, [&q, &v], moved(&self.held, &shares.held));
         system.set_multipliers(&moved(self.multipliers, &shares.multipliers));
         let before = self.load(system, along, h);
         let told = (|| {
             let mut at = system.at(self.place.time, &q, &v);
             at.share_multipliers()?;
-            let mut energies = at.energies();
-            energies.potential += energy;
+            let energies = at.energies();
             let (mut residual, mut reactions) = (vec![0.0; a.len()], Vec::new());
             let balanced = at.residual(&a, &mut residual)?;
             balanced.reactions(&mut reactions);
@@ -270,20 +260,18 @@ impl<'a> Beside<'a> {
         Ok(self.numbers.iter().map(|number| all[*number]).collect())
     }
 
-    /// What stops do at a state, those that hold with these forces.
-    fn stopped(&self, model: &Model, [q, v]: [&[f64]; 2], mut stops: Vec<f64>) -> Stopped {
-        let mut energy = 0.0;
+    /// What stops push each velocity coordinate with at a state (N or N m), those that hold with these forces.
+    fn stopped(&self, model: &Model, [q, v]: [&[f64]; 2], mut stops: Vec<f64>) -> Vec<f64> {
         for stop in self.place.pressed.iter().map(|index| &model.stops[*index]) {
             if let Some(side) = stop.reached(self.place.position[stop.position], 0.0) {
                 stops[stop.velocity] -= side.sign() * stop.push(side, q, v);
-                energy += stop.potential(side, q);
             }
         }
-        Stopped { stops, energy }
+        stops
     }
 
-    /// What stops do at the place.
-    pub(super) fn stopped_here(&self, model: &Model) -> Stopped {
+    /// What stops push with at the place.
+    pub(super) fn stopped_here(&self, model: &Model) -> Vec<f64> {
         self.stopped(model, [&self.place.position, &self.place.velocity], self.held.clone())
     }
 
@@ -333,7 +321,7 @@ fn levers(model: &Model) -> Vec<f64> {
 fn usual(model: &Model, unit: &str, force: f64) -> f64 {
     match unit {
         "N" => force,
-        "N m" | "J" => force * model.length_scale(),
+        "N m" => force * model.length_scale(),
         "m" => model.length_scale(),
         _ => 0.0,
     }

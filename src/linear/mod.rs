@@ -32,7 +32,7 @@ use crate::output::{Given, Outputs, Varied};
 use basis::Basis;
 use faer::linalg::solvers::Solve;
 pub use faer::{Mat, c64};
-use forces::{Along, Beside, Stopped};
+use forces::{Along, Beside};
 use std::sync::Arc;
 
 /// A place about which a scene is linearized.
@@ -357,17 +357,16 @@ fn vary(
     outputs: &mut Outputs,
     (place, a): (&Place, &[f64]),
     directions: &[[Vec<f64>; 3]],
-    (stopped, others): (&Stopped, &[Vec<f64>]),
+    (stops, others): (&[f64], &[Vec<f64>]),
 ) -> Result<Vec<Vec<f64>>, Fault> {
     let mut at = system.at(place.time, &place.position, &place.velocity);
     at.share_multipliers()?;
-    let mut energies = at.energies();
-    energies.potential += stopped.energy;
+    let energies = at.energies();
     let mut residual = vec![0.0; a.len()];
     let balanced = at.residual(a, &mut residual)?;
     let mut reactions = Vec::new();
     balanced.reactions(&mut reactions);
-    let (stops, account, powers) = (&stopped.stops[..], [0.0; 2], Powers::default());
+    let (account, powers) = ([0.0; 2], Powers::default());
     let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
     outputs.evaluate(&balanced, &given)?;
     let along = |(j, [position, velocity, acceleration]): (usize, &[Vec<f64>; 3])| {
@@ -401,7 +400,7 @@ fn tell(
             [spread(&|k| unit(k)), spread(&|k| unit(count + k)), acceleration]
         })
         .collect();
-    let mut all = vary(system, &mut outputs, (place, a), &directions, (&Stopped::default(), &[]))?;
+    let mut all = vary(system, &mut outputs, (place, a), &directions, (&[], &[]))?;
     if let Some(beside) = Beside::new(system, &mut outputs, (place, a), (basis, linear, rows), multipliers, &all)? {
         let mut others = Vec::with_capacity(directions.len());
         for (j, [position, velocity, acceleration]) in directions.iter().enumerate() {

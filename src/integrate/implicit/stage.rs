@@ -43,7 +43,8 @@ pub(crate) const NO_CORRECTION: f64 = 8.0;
 /// Corrections that stall below this many times that are what the rounding of the residual leaves.
 const STALLED: f64 = 32.0;
 /// If the residual rounds worse than the state (trees whose forces cancel), corrections may stall below this part of
-/// the tolerance; of a fixed step, which has no error to hide, below all of it.
+/// the tolerance, of which the table makes half a tolerance at most (see above); of a fixed step, which has no error to hide, below all
+/// of it.
 const STALLED_PARTS: [f64; 2] = [1e-2, 1.0];
 
 /// Newton's iteration for single stages, its tangent and buffers.
