@@ -93,6 +93,8 @@ pub const ON_A_LIMIT: RoundOff = RoundOff(1e-12);
 pub const ON_A_CURVE: RoundOff = RoundOff(1e-12);
 /// Two places of a curve that are one, as part of the curve's extent: formulas lose digits in what cancels in them.
 pub const ONE_PLACE: RoundOff = RoundOff(1e-9);
+/// The parameter of a curve in its formulas, as part of itself: rounded, and again in each factor and sum on its way.
+pub const PARAMETER: RoundOff = RoundOff::units(8.0);
 /// Gap of a closed loop, as part of its component's reach: there Newton's method comes to a standstill. Speeds that are projected
 /// onto loops reach it as well, as part of the largest.
 pub const CLOSED: RoundOff = RoundOff(1e-14);

@@ -154,11 +154,12 @@ impl Line {
         }
     }
 
-    /// How far the curve goes from its beginning, in a thousand looks (m).
+    /// How far the curve goes from its first place that is a number, in a thousand looks (m).
     pub(super) fn extent(&self, [from, to]: [f64; 2]) -> f64 {
-        let first = self.at(from)[0];
-        let far = |k: usize| (self.at(from + (to - from) * k as f64 / LOOKS as f64)[0] - first).norm();
-        (1..=LOOKS).map(far).filter(|far| far.is_finite()).fold(0.0, f64::max)
+        let look = |k: usize| self.at(from + (to - from) * k as f64 / LOOKS as f64)[0];
+        let mut places = (0..=LOOKS).map(look).filter(|place| place.iter().all(|x| x.is_finite()));
+        let Some(first) = places.next() else { return 0.0 };
+        places.map(|place| (place - first).norm()).fold(0.0, f64::max)
     }
 
     /// The first of the values of the parameter at which formulas begin to follow another rule and the place is another one than just

@@ -30,7 +30,7 @@ pub use curve::{GuideCurve, GuideFlaw};
 
 use super::exponential::joined;
 use super::quadrature::GAUSS;
-use crate::round_off::ONE_PLACE;
+use crate::round_off::{ONE_PLACE, PARAMETER};
 use curve::{CLOSED, GAP, Line};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 
@@ -275,9 +275,23 @@ impl Guide {
             let along = self.along(u);
             along.tangent[1] * along.speed
         });
+        let [by_speed, by_turn] = self.rounding([a, middle, b]);
         first.dot(&last) > MOST_TURN.cos()
-            && (whole - halves).abs() <= LENGTH * halves
-            && (last - first - turned).norm() <= TANGENT
+            && (whole - halves).abs() <= (LENGTH + by_speed) * halves
+            && (last - first - turned).norm() <= TANGENT + by_turn
+    }
+
+    /// What the rounding of the parameter leaves of the speed, as part of it, and of the tangent: where a curve is steep, that is more than
+    /// a piece could be resolved to.
+    fn rounding(&self, looks: [f64; 3]) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for u in looks {
+            let [_, p1, p2, ..] = self.line.at(u);
+            let along = self.along(u);
+            let change = [p1.dot(&p2).abs() / p1.norm_squared(), along.tangent[1].norm() * along.speed];
+            most = std::array::from_fn(|i| most[i].max(PARAMETER.of(u.abs()) * change[i]));
+        }
+        most
     }
 
     /// Arc lengths and frames at the ends of the pieces: from the origin, where the frame is the hinge's turned to the

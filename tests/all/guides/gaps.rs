@@ -57,25 +57,16 @@ fn narrow_steep_parts_are_gone_through() {
             _ => format!("{by}*exp(-({sharp}*(u - {at}))^2)"),
         };
         let curve = slope(&z);
-        let guide = match Guide::new(&curve, false) {
-            Ok(guide) => guide,
-            // Near saturation `1 − tanh²` has too few digits for slopes of a thousand and more, at a sharp peak the parameter itself.
-            Err(flaw) => {
-                let told = flaw.message.split("parameter ").nth(1).and_then(|rest| rest.split(',').next());
-                let told: f64 =
-                    told.and_then(|told| told.parse().ok()).unwrap_or_else(|| panic!("seed {seed}: {flaw:?}"));
-                assert!(sharp > 1e2 && (told - at).abs() < 0.05, "seed {seed}: {z}: {flaw:?}");
-                continue;
-            }
-        };
-        // Along any chord it is no shorter than that.
+        let guide = Guide::new(&curve, false).unwrap_or_else(|flaw| panic!("seed {seed}: {z}: {flaw:?}"));
+        // Along any chord it is no shorter than that, as far as the parameter has digits.
         let [from, to] = guide.range();
+        let rounded = 8.0 * f64::EPSILON * at * by * sharp / ((to - from) / 1000.0);
         let mut longest = 0.0_f64;
         for k in 0..1000 {
             let [a, b] = [k, k + 1].map(|k| guide.at(from + (to - from) * f64::from(k) / 1000.0).place);
             longest = longest.max((b - a).norm() / ((to - from) / 1000.0));
         }
-        assert!(longest < 1.0 + 1e-9, "seed {seed}: {z}: {longest}");
+        assert!(longest < 1.0 + 1e-9 + rounded, "seed {seed}: {z}: {longest}");
         let model = build(&heavy(bead(curve)));
         let start = State { position: vec![from], velocity: vec![6.0] };
         let found = run(&model, 0.5, &start).unwrap_or_else(|error| panic!("seed {seed}: {z}: {error}"));
