@@ -123,6 +123,8 @@
 //! SI units and radians everywhere; `world_from_body` is a pose that takes body axes to inertial ones; quaternions are
 //! w, x, y, z. Errors name the element, the value and what is allowed.
 
+#![forbid(unsafe_code)]
+
 pub mod budget;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -3,22 +3,68 @@
 use std::process::ExitCode;
 use stillpoint::cli::Memory;
 
-/// The system's allocator, counting: `bench` tells what a scene needs.
+/// Programs that solve case after case on every core ask for memory often: the system's allocator is slower at that (docs/decisions/build.md).
+#[cfg(not(feature = "count-allocations"))]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// The same allocator, counting for each thread what it has asked for: `bench` tells what a scene needs. No thread waits for another.
 #[cfg(feature = "count-allocations")]
+#[expect(unsafe_code, reason = "the trait of allocators is unsafe: every call goes on to one that keeps its promises, as it came")]
 mod counting {
     use super::Memory;
-    use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
-    use std::alloc::System;
+    use mimalloc::MiMalloc;
+    use std::alloc::{GlobalAlloc, Layout};
+    use std::cell::Cell;
+
+    thread_local! {
+        static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+        /// Allocated here less freed here, whoever allocated it: wraps around.
+        static BYTES: Cell<usize> = const { Cell::new(0) };
+    }
+
+    struct Counting;
 
     #[global_allocator]
-    static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+    static ALLOCATOR: Counting = Counting;
 
-    pub(super) fn memory() -> Memory {
-        let stats = ALLOCATOR.stats();
-        Memory {
-            allocations: stats.allocations + stats.reallocations,
-            bytes: stats.bytes_allocated.saturating_sub(stats.bytes_deallocated),
+    impl Counting {
+        fn count(allocations: usize, more: usize, less: usize) {
+            ALLOCATIONS.set(ALLOCATIONS.get() + allocations);
+            BYTES.set(BYTES.get().wrapping_add(more).wrapping_sub(less));
         }
+    }
+
+    // SAFETY: what is promised to or by the allocator is so to or by the one that it hands every call on to; counting allocates nothing.
+    unsafe impl GlobalAlloc for Counting {
+        unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+            Self::count(1, layout.size(), 0);
+            // SAFETY: the caller's.
+            unsafe { MiMalloc.alloc(layout) }
+        }
+
+        unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+            Self::count(1, layout.size(), 0);
+            // SAFETY: the caller's.
+            unsafe { MiMalloc.alloc_zeroed(layout) }
+        }
+
+        unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+            Self::count(0, 0, layout.size());
+            // SAFETY: the caller's.
+            unsafe { MiMalloc.dealloc(memory, layout) }
+        }
+
+        unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+            Self::count(1, size, layout.size());
+            // SAFETY: the caller's.
+            unsafe { MiMalloc.realloc(memory, layout, size) }
+        }
+    }
+
+    /// Of this thread.
+    pub(super) fn memory() -> Memory {
+        Memory { allocations: ALLOCATIONS.get(), bytes: BYTES.get() }
     }
 }
 

@@ -223,7 +223,7 @@ fn measure(
 fn allocated(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<Allocated> {
     let before = memory().bytes;
     let scene = (model.clone(), Routines::new(model)?);
-    let bytes = memory().bytes.saturating_sub(before);
+    let bytes = memory().bytes.wrapping_sub(before);
     drop(scene);
     Ok(Allocated { bytes_per_body: bytes as f64 / model.bodies.len() as f64, per_step: per_step(model, memory)? })
 }

@@ -203,12 +203,12 @@ struct Common {
     quiet: bool,
 }
 
-/// What the program has asked of its allocator since it started.
+/// What a thread has asked of the allocator since it started.
 #[derive(Debug, Clone, Copy)]
 pub struct Memory {
     /// Requests for memory.
     pub allocations: usize,
-    /// Bytes in use.
+    /// Bytes that it has allocated, less those that it has freed, whoever allocated them: may wrap around.
     pub bytes: usize,
 }
 
