@@ -10,7 +10,10 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// The same allocator, counting for each thread what it has asked for: `bench` tells what a scene needs. No thread waits for another.
 #[cfg(feature = "count-allocations")]
-#[expect(unsafe_code, reason = "the trait of allocators is unsafe: every call goes on to one that keeps its promises, as it came")]
+#[expect(
+    unsafe_code,
+    reason = "the trait of allocators is unsafe: every call goes on to one that keeps its promises, as it came"
+)]
 mod counting {
     use super::Memory;
     use mimalloc::MiMalloc;
