@@ -12,6 +12,7 @@ use anyhow::{bail, ensure};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -187,7 +188,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     if arguments.contacts {
         let instants = footage.recording.contacts()?;
-        let nearest = |one: &&(f64, Vec<ContactPush>), other: &&(f64, Vec<ContactPush>)| {
+        let nearest = |one: &&(f64, Arc<Vec<ContactPush>>), other: &&(f64, Arc<Vec<ContactPush>>)| {
             (one.0 - shown.time).abs().total_cmp(&(other.0 - shown.time).abs())
         };
         match instants.iter().min_by(nearest) {

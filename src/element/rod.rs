@@ -157,8 +157,8 @@ impl Rod {
     }
 
     /// The curve, if it is a guide.
-    pub fn guide(&self) -> Option<&Guide> {
-        self.guide.as_deref()
+    pub fn guide(&self) -> Option<&Arc<Guide>> {
+        self.guide.as_ref()
     }
 
     /// The coordinates whose strains are nearest to given ones: by (1) the projection on the polynomials.

@@ -31,8 +31,8 @@ pub trait Problem {
     fn project(&mut self, _time: f64, _q: &mut [f64], _v: &mut [f64]) -> Result<bool, Failure> {
         Ok(false)
     }
-    /// The longest step (s) from a state with these velocities in which nothing is overlooked that estimates of errors do not see.
-    fn longest_step(&self, _v: &[f64]) -> f64 {
+    /// The longest step (s) from a state in which nothing is overlooked that estimates of errors do not see.
+    fn longest_step(&self, _q: &[f64], _v: &[f64]) -> f64 {
         f64::INFINITY
     }
     /// The sizes at which an absolute error counts as much as a relative one, per coordinate of `q` and of `v`:

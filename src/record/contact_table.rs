@@ -3,6 +3,7 @@
 use super::table::Column;
 use super::{ContactPush, RecordError, Recording, Table};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Ends of the names of the columns of two bodies.
 const ENDS: [(&str, &str); 5] =
@@ -28,10 +29,10 @@ impl ContactTable {
         Ok((!instants.is_empty()).then(|| Self::new(&instants)))
     }
 
-    fn new(instants: &[(f64, Vec<ContactPush>)]) -> Self {
+    fn new(instants: &[(f64, Arc<Vec<ContactPush>>)]) -> Self {
         let mut known: HashMap<&[String; 2], usize> = HashMap::new();
         let mut pairs = Vec::new();
-        for push in instants.iter().flat_map(|(_, pushes)| pushes) {
+        for push in instants.iter().flat_map(|(_, pushes)| pushes.iter()) {
             known.entry(&push.between).or_insert_with(|| {
                 pairs.push(&push.between);
                 pairs.len() - 1
@@ -42,9 +43,9 @@ impl ContactTable {
             ENDS.map(|(end, unit)| Column { name: format!("{other} on {one}.{end}"), unit: unit.to_owned() })
         };
         let columns = pairs.iter().flat_map(|pair| column(pair)).collect();
-        let row = |(_, pushes): &(f64, Vec<ContactPush>)| {
+        let row = |(_, pushes): &(f64, Arc<Vec<ContactPush>>)| {
             let mut row = vec![0.0; ENDS.len() * pairs.len()];
-            for push in pushes {
+            for push in pushes.iter() {
                 let first = ENDS.len() * known[&push.between];
                 (0..3).for_each(|i| row[first + i] += push.force[i]);
                 row[first + 3] += 1.0;
@@ -70,7 +71,8 @@ mod tests {
             slips,
         };
         let first = vec![push(["floor", "box"], 3.0, true), push(["floor", "box"], 5.0, false)];
-        let instants = [(0.0, first), (0.5, Vec::new()), (1.0, vec![push(["box", "ball"], 2.0, false)])];
+        let instants = [(0.0, first), (0.5, Vec::new()), (1.0, vec![push(["box", "ball"], 2.0, false)])]
+            .map(|(time, pushes)| (time, Arc::new(pushes)));
         let found = ContactTable::new(&instants);
         let names: Vec<&str> = found.table.columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!((names[2], names[5], names.len()), ("box on floor.force.z", "ball on box.force.x", 10));

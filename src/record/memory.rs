@@ -1,6 +1,7 @@
 //! Samples kept in memory, for tests and reports.
 
 use super::{ContactPush, Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
+use std::sync::Arc;
 
 /// Keeps everything it is given.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +12,8 @@ pub struct Memory {
     pub samples: Vec<OwnedSample>,
     /// In the order they came.
     pub events: Vec<Event>,
-    /// Of scenes with contact: times of samples (s), and what contacts push with then.
-    pub contacts: Vec<(f64, Vec<ContactPush>)>,
+    /// Of scenes with contact: times of samples (s), and what contacts push with then, one and the same list where nothing has changed.
+    pub contacts: Vec<(f64, Arc<Vec<ContactPush>>)>,
     /// Once finished.
     pub outcome: Option<Outcome>,
 }
@@ -43,7 +44,9 @@ impl Recorder for Memory {
     }
 
     fn contacts(&mut self, time: f64, contacts: &[ContactPush]) -> Result<(), RecordError> {
-        self.contacts.push((time, contacts.to_vec()));
+        let same = self.contacts.last().filter(|(_, last)| **last == contacts);
+        let pushes = same.map_or_else(|| Arc::new(contacts.to_vec()), |(_, last)| Arc::clone(last));
+        self.contacts.push((time, pushes));
         Ok(())
     }
 

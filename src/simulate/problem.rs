@@ -425,8 +425,8 @@ impl Problem for Equations {
         }
     }
 
-    fn longest_step(&self, v: &[f64]) -> f64 {
-        self.stride.longest(v)
+    fn longest_step(&self, q: &[f64], v: &[f64]) -> f64 {
+        self.stride.longest(q, v)
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {

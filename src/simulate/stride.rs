@@ -5,13 +5,16 @@
 //! table. Where a scene has something that begins and ends somewhere, no coordinate goes further in a step than
 //!
 //! ```text
-//! (1)  0.4 rad;   half the shortest interval of a table over it;   a twentieth of the scene's length, or 0.4 rad, under a formula of it
+//! (1)  0.4 rad;   half the shortest interval of a table over it;   a twentieth of the scene's length, or 0.4 rad, under a formula of it;
+//!      along a curve to the end of the next of its pieces, which are as long as its tangent turns by 0.3 rad or as its shape is resolved
 //! ```
 //!
 //! at the speeds with which the step begins, by powers of two: methods that pay for a change of step seldom change it for that.
 
+use crate::element::guide::Guide;
 use crate::force::Act;
 use crate::model::{CurveOver, Link, Model, Watched};
+use std::sync::Arc;
 
 /// A turn within which what turns comes near something once at most (rad).
 const TURN: f64 = 0.4;
@@ -20,10 +23,13 @@ const WAY: f64 = 0.05;
 /// Part of the shortest interval of a table.
 const INTERVAL: f64 = 0.5;
 
-/// Velocity coordinates, and how far each may go in a step (m, rad).
+/// How far coordinates may go in a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stride {
+    /// Velocity coordinates, and how far each may go (m, rad).
     reaches: Vec<(usize, f64)>,
+    /// Position and velocity coordinates along curves.
+    guided: Vec<(usize, usize, Arc<Guide>)>,
 }
 
 impl Stride {
@@ -43,12 +49,19 @@ impl Stride {
             let way = if motor.coordinate.slides { WAY * model.length_scale() } else { TURN };
             reaches.push((motor.coordinate.velocity, way));
         }
-        Self { reaches }
+        let guide = |link: &Link| {
+            let guide = model.rods[link.joint.rod()?].guide()?;
+            Some((link.position, link.velocity, Arc::clone(guide)))
+        };
+        let guided = model.links.iter().skip(1).filter_map(guide).collect();
+        Self { reaches, guided }
     }
 
-    /// The longest step at these velocities (s).
-    pub(super) fn longest(&self, v: &[f64]) -> f64 {
-        let time = self.reaches.iter().map(|(i, reach)| reach / v[*i].abs()).fold(f64::INFINITY, f64::min);
+    /// The longest step from a state (s).
+    pub(super) fn longest(&self, q: &[f64], v: &[f64]) -> f64 {
+        let times = self.reaches.iter().map(|(i, reach)| reach / v[*i].abs());
+        let along = |(s, i, guide): &(usize, usize, Arc<Guide>)| guide.stretch(q[*s], v[*i] > 0.0) / v[*i].abs();
+        let time = times.chain(self.guided.iter().map(along)).fold(f64::INFINITY, f64::min);
         if time.is_finite() && time > 0.0 { time.log2().floor().exp2() } else { f64::INFINITY }
     }
 }
@@ -67,11 +80,11 @@ mod tests {
 
     #[test]
     fn the_fastest_for_its_reach_says_how_long_a_step_may_be() {
-        let stride = Stride { reaches: vec![(0, 0.4), (2, 0.1)] };
+        let stride = Stride { reaches: vec![(0, 0.4), (2, 0.1)], guided: Vec::new() };
         // 0.01 s, and the power of two below it.
-        assert_eq!(stride.longest(&[40.0, 1e9, -2.0]), 0.007_812_5);
-        assert_eq!(stride.longest(&[0.0, 1e9, -2.0]), 0.031_25);
-        assert_eq!(stride.longest(&[0.0, 1e9, 0.0]), f64::INFINITY);
-        assert_eq!(Stride::default().longest(&[1.0]), f64::INFINITY);
+        assert_eq!(stride.longest(&[], &[40.0, 1e9, -2.0]), 0.007_812_5);
+        assert_eq!(stride.longest(&[], &[0.0, 1e9, -2.0]), 0.031_25);
+        assert_eq!(stride.longest(&[], &[0.0, 1e9, 0.0]), f64::INFINITY);
+        assert_eq!(Stride::default().longest(&[], &[1.0]), f64::INFINITY);
     }
 }

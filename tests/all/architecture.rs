@@ -83,11 +83,12 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file", "round_off"]),
     (
         "simulate",
-        // `constraint` for the assembly of what a stage closes, `formula` for what expressions do between two looks, `sparse` for rows
+        // `constraint` for the assembly of what a stage closes, `element` for the pieces of curves, `formula` for what expressions do between two looks, `sparse` for rows
         // beside a sparse tangent, `suggest` for names of stages.
         &[
             "constraint",
             "contact",
+            "element",
             "force",
             "formula",
             "hinge",

@@ -6,6 +6,7 @@ mod arches;
 mod beside_contact;
 #[cfg(feature = "friction")]
 mod contact_outputs;
+mod curve_ends;
 mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;

@@ -430,7 +430,7 @@ fn no_contact_pulls_in_a_pile() {
     let weight: f64 = model.bodies.iter().map(|body| body.mass.mass * G).sum();
     let mut seen = 0;
     for (time, contacts) in &memory.contacts {
-        for contact in contacts {
+        for contact in contacts.iter() {
             let pressure = Vector3::from(contact.normal).dot(&Vector3::from(contact.force));
             // Forces of captured steps are found to some parts in a million of the weight.
             assert!(pressure > -1e-6 * weight, "at {time} s {:?} pull with {pressure} N", contact.between);

@@ -1,9 +1,11 @@
 //! Cylinders that touch: gaps and their rates against sampled surfaces and differences, then scenes against closed forms.
 
+use crate::contact_in_motion::{FLOOR, exact, kinds, read, tried};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use stillpoint::contact::geometry::feature::{Boundary, Near};
 use stillpoint::contact::geometry::meet::{meeting, pairs};
 use stillpoint::contact::geometry::{Core, Solid, touch};
+use stillpoint::integrate::Method;
 
 struct Random(u64);
 
@@ -111,6 +113,74 @@ fn rates_of_features_are_differences() {
     }
 }
 
+/// How far a solid that is symmetric about its middle goes along a unit vector of its axes (m).
+fn support(solid: &Solid, n: &Vector3<f64>) -> f64 {
+    let Solid::Round(core, radius) = solid else { panic!("a plane") };
+    let corners = core.vertices.iter().map(|v| n.dot(v)).fold(0.0, f64::max);
+    corners + radius + core.rim() * n.x.hypot(n.y)
+}
+
+/// Wherever a cylinder is pushed into something, a little, one of the pairs of features has that depth and its normal: no way in is
+/// open between them. (Depth and normal are those of separating axes.)
+#[test]
+fn some_features_are_as_deep_as_shapes_are() {
+    let mut random = Random(0x3c6e_f372_fe94);
+    let own = cylinder(0.4, 0.6);
+    let disc = cylinder(0.5, 0.06);
+    for (name, solid) in partners().into_iter().skip(1) {
+        let mut kinds = std::collections::BTreeSet::new();
+        for case in 0..400 {
+            let own = if case % 2 == 0 { &own } else { &disc };
+            let (a, mut b) = (random.pose(0.0), random.pose(1.0));
+            let depth = 1e-5;
+            let (mut found, mut slack) = (None, 0.05);
+            for _ in 0..200 {
+                // Where nothing is near the middles are moved together.
+                let towards = (b.translation.vector - a.translation.vector).normalize();
+                found = touch(&own.placed(&a), &solid.placed(&b), slack).unwrap();
+                let Some(touched) = &found else {
+                    b.translation.vector -= towards * 0.04;
+                    continue;
+                };
+                if touched.gap < 0.0 {
+                    // Equally good normals are one.
+                    slack = 1e-12;
+                }
+                let step = touched.gap + depth;
+                if step.abs() < 1e-12 {
+                    break;
+                }
+                b.translation.vector -= touched.normal * step;
+            }
+            let touched = found.unwrap_or_else(|| panic!("{name} {case}: nothing is near"));
+            assert!((touched.gap + depth).abs() < 1e-9, "{name} {case}: {touched:?}");
+            for k in 0..400 {
+                // No direction separates them further: around the normal, ever closer.
+                let n = touched.normal + random.vector() * 2.0 * 0.96_f64.powi(k);
+                let n = n.normalize();
+                let apart = n.dot(&(b.translation.vector - a.translation.vector))
+                    - support(own, &(a.rotation.inverse() * n))
+                    - support(&solid, &(b.rotation.inverse() * n));
+                assert!(apart <= touched.gap + 1e-9, "{name} {case}: {apart} along {n}, {touched:?}");
+            }
+            let (p, q) = (Boundary::new(own), Boundary::new(&solid));
+            let (p, q) = (p.standing(&a), q.standing(&b));
+            let all: Vec<_> = pairs(&p, &q)
+                .into_iter()
+                .filter_map(|features| meeting(&p, &q, features, &Near::ALL))
+                .filter(|found| found.inside > -1e-7 && found.gap > -0.05 && found.gap < 0.05)
+                .collect();
+            let fits = |found: &&stillpoint::contact::geometry::feature::Meeting| {
+                (found.gap + depth).abs() < 1e-8 && found.normal.dot(&touched.normal) > 1.0 - 1e-8
+            };
+            let deepest = all.iter().find(fits);
+            assert!(deepest.is_some(), "{name} {case}: {touched:?} {all:?}");
+            kinds.extend(deepest.map(|found| found.features.map(|feature| format!("{feature:?}"))));
+        }
+        assert!(kinds.len() > if name == "ball" { 2 } else { 8 }, "{name}: {kinds:?}");
+    }
+}
+
 /// A ball is as far away as the nearest point of the cylinder is from its middle: on a face, on the side or on a rim.
 #[test]
 fn balls_touch_faces_sides_and_rims() {
@@ -171,5 +241,67 @@ fn edges_touch_rims() {
         assert!((found.normal - a.rotation * normal).norm() < 1e-7, "{case}: {} {}", found.normal, a.rotation * normal);
         assert!(found.points.len() == 1, "{case}: {found:?}");
         assert!((found.points[0] - a.transform_point(&point.into()).coords).norm() < 1e-7, "{case}: {found:?}");
+    }
+}
+
+/// Rims that meet in the middle between face and side part as fast as they met, and what turns them is across the arms from their middles.
+#[test]
+fn drums_clash_rim_on_rim() {
+    let text = std::fs::read_to_string("scenarios/contact/drums_clash.toml").unwrap();
+    let summary = exact(&text, 0.4);
+    assert_eq!((kinds(&summary), summary.impacts), (vec!["strikes"], 1));
+    assert!((summary.events[0].time - 0.1).abs() < 1e-10, "{:?}", summary.events);
+    let (radius, length) = (0.2_f64, 0.1_f64);
+    let masses = [500.0, 700.0].map(|density| density * std::f64::consts::PI * radius * radius * length);
+    // Both arms are as long across the normal, and across the axes.
+    let arm = (radius - 0.5 * length) * std::f64::consts::FRAC_1_SQRT_2;
+    let about = masses.map(|mass| mass * (3.0 * radius * radius + length * length) / 12.0);
+    let push = 2.0 / (0..2).map(|i| 1.0 / masses[i] + arm * arm / about[i]).sum::<f64>();
+    let v = &summary.state.velocity;
+    for (i, speed) in [1.0 - push / masses[0], push / masses[1]].into_iter().enumerate() {
+        assert!((v[6 * i] - speed).abs() < 1e-9, "{i}: {v:?}");
+        let spin = (v[6 * i + 3].powi(2) + v[6 * i + 4].powi(2) + v[6 * i + 5].powi(2)).sqrt();
+        assert!((spin - push * arm / about[i]).abs() < 1e-9, "{i}: {v:?}");
+    }
+    assert!(summary.dissipated.abs() < 1e-9, "{}", summary.dissipated);
+}
+
+/// Whatever is thrown together with a drum is kept apart from it, by rims, too, and gains no energy.
+#[test]
+fn drums_are_kept_apart_from_whatever_meets_them() {
+    let mut random = Random(0x9b05_688c_2b3e);
+    for case in 0..40 {
+        let mut size = || random.within(0.05, 0.25);
+        let drum = format!("{{ cylinder = [{}, {}] }}", size(), size());
+        let other = match case % 4 {
+            0 => format!("{{ box = [{}, {}, {}] }}", size(), size(), size()),
+            1 => format!("{{ cylinder = [{}, {}] }}", size(), size()),
+            2 => format!("{{ capsule = [{}, {}] }}", 0.4 * size(), 2.0 * size()),
+            _ => format!("{{ sphere = {} }}", size()),
+        };
+        let (friction, restitution) = ([0.0, 0.3, 0.8][case % 3], [0.0, 0.4][case % 2]);
+        let mut text = FLOOR.to_owned();
+        for (k, (name, shape)) in [("drum", drum), ("other", other)].into_iter().enumerate() {
+            let turn = random.pose(0.0).rotation;
+            let spin = random.vector() * 4.0;
+            text += &format!(
+                "[[body]]\nname = \"{name}\"\ndensity = 1000\nshape = {shape}\nhinge = {{ type = \"free\", position = [0, 0, {:?}, {:?}, {:?}, {:?}, {:?}], velocity = [0, 0, 0, {:?}, {:?}, {:?}] }}\n",
+                0.35 + 0.6 * k as f64,
+                turn.w,
+                turn.i,
+                turn.j,
+                turn.k,
+                spin.x,
+                spin.y,
+                spin.z
+            );
+        }
+        text += &format!("[[contact]]\nbetween = [\"*\", \"*\"]\nfriction = {friction}\nrestitution = {restitution}\n");
+        let summary = tried(&read(&text), 0.7, 1e-8, Method::Dop853)
+            .unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(
+            summary.dissipated > 0.0 && summary.energy_drift < 1e-2 * summary.energy_largest,
+            "case {case}: {summary:?}\n{text}"
+        );
     }
 }

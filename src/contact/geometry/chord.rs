@@ -5,6 +5,12 @@
 //! (2)  v_b + ẏ u − v_a − ẋ t = |w| ṅ  across n,   ṫ = ω_a × t − (ẋ/r²) d      d from the axis to the point of the rim
 //! ```
 //!
+//! With a radius about the edge `|w|` is no less than that, nearly, and the normal is its direction however rim and edge lie:
+//!
+//! ```text
+//! (3)  ẇ = v_b + ẏ u − v_a − ẋ t,   ẇ·u + w·(ω_b × u) = 0,   ẇ·t + w·ṫ = 0,   ṅ = (ẇ − n n·ẇ)/|w|
+//! ```
+//!
 //! The crossing begins where the edge, seen along the axis, meets the rim; Newton's method on `w·t` does the rest. A cylinder that tips over
 //! the edge of a table stands on both of them.
 
@@ -21,7 +27,7 @@ const STEEP: f64 = 0.2;
 const NEARBY: f64 = 0.3;
 const SOUND: f64 = 0.5;
 /// Chords shorter than this part of the radius have no ends of their own.
-const SHORT: f64 = 1e-3;
+pub(super) const SHORT: f64 = 1e-3;
 
 /// An end of a chord of a cylinder and an edge of a polytope; `None` of an edge along the axis.
 pub(super) fn meeting(
@@ -52,13 +58,21 @@ pub(super) fn meeting(
     let behind = other.below(&-normal, &foot, &other.of.edges[usize::from(edge)]);
     // The normal is one of the rim: between those of the face and of the side, but for a tilt.
     let between = (normal.dot(&out) + TILTED) * radius;
-    let short = if half > 0.0 { half } else { radius - across.norm() } - SHORT * radius;
-    let flat = (STEEP - tilt.abs()) * radius;
-    let counts = if is_sound { f64::INFINITY } else { -SHORT * radius };
-    let inside = [x, length - x, short, flat, behind, between, counts].into_iter().fold(f64::INFINITY, f64::min);
+    let sound = if is_sound { f64::INFINITY } else { -SHORT * radius };
+    let inside = [x, length - x, counts(tilt.abs(), across.norm(), radius), behind, between, sound]
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
     let features = [Feature::Edge(chord), Feature::Edge(edge)];
     let found = Meeting::new(features, normal, [point, foot], [tangent, u], [0.0; 2], inside);
     Some(Meeting { rims: [Some(Rim { arm: out * radius, tangent, tilt: 0.0 }), None], ..found })
+}
+
+/// How far an edge with a tilt against the axis (its sine's absolute value) whose line passes the middle of the face at a distance (m) is one that
+/// lies across it (m).
+pub(super) fn counts(tilt: f64, across: f64, radius: f64) -> f64 {
+    let half = (radius * radius - across * across).max(0.0).sqrt();
+    let long = if half > 0.0 { half } else { radius - across } - SHORT * radius;
+    long.min((STEEP - tilt) * radius)
 }
 
 /// The direction from the axis to the crossing (1) of the rim about `middle` and the line through `p` along `u`, from a `first` one; and whether
@@ -87,19 +101,60 @@ fn crossing(first: Vector3<f64>, [middle, outward, p, u]: [Vector3<f64>; 4], rad
 
 /// (2): velocities of the crossing along the rims among two edges, `bodies` those of the material points there.
 pub(super) fn slides(meeting: &Meeting, bodies: [Vector3<f64>; 2], spins: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+    if let Some((slides, _)) = about(meeting, bodies, spins) {
+        return slides;
+    }
     let ([u, v], n) = (meeting.edges, meeting.normal);
     let steady = turned(meeting, [spins[0].cross(&u), spins[1].cross(&v)]);
     let (slip, none) = (bodies[1] - bodies[0], Vector3::zeros());
     let apart = n.dot(&(meeting.cores[1] - meeting.cores[0]));
+    // What a unit speed along either moves across n: itself, and the end of w as the normal turns with a rim.
+    let moved = [0, 1].map(|i| {
+        let bent = meeting.rims[i].as_ref().map_or(none, |Rim { arm, .. }| -arm / arm.norm_squared());
+        let (own, by) = if i == 0 { (u, turned(meeting, [bent, none])) } else { (v, -turned(meeting, [none, bent])) };
+        own + apart * by
+    });
     let along = |i: usize| {
-        let Some(Rim { arm, .. }) = &meeting.rims[i] else { return none };
-        let bent = -arm / arm.norm_squared();
-        let (own, other, sign) = if i == 0 { (u, v, 1.0) } else { (v, u, -1.0) };
-        let by = turned(meeting, if i == 0 { [bent, none] } else { [none, bent] });
+        if meeting.rims[i].is_none() {
+            return none;
+        }
+        let (own, sign) = if i == 0 { (u, 1.0) } else { (v, -1.0) };
         let off = sign * (slip - apart * steady);
-        own * (off.cross(&other).dot(&n) / (own + sign * apart * by).cross(&other).dot(&n))
+        own * (off.cross(&moved[1 - i]).dot(&n) / moved[i].cross(&moved[1 - i]).dot(&n))
     };
     [along(0), along(1)]
+}
+
+/// (3): velocities along a rim beside an edge with a radius about it, and the rate of their normal (1/s); `None` of other pairs.
+pub(super) fn about(
+    meeting: &Meeting,
+    bodies: [Vector3<f64>; 2],
+    spins: [Vector3<f64>; 2],
+) -> Option<([Vector3<f64>; 2], Vector3<f64>)> {
+    // The rim first, whichever body has it.
+    let rim = match meeting.rims {
+        [Some(_), None] => 0,
+        [None, Some(_)] => 1,
+        _ => return None,
+    };
+    let edge = 1 - rim;
+    if meeting.radii[edge] == 0.0 {
+        return None;
+    }
+    let Some(Rim { arm, tangent, .. }) = meeting.rims[rim] else { return None };
+    let (u, w, slip) = (meeting.edges[edge], meeting.cores[edge] - meeting.cores[rim], bodies[edge] - bodies[rim]);
+    let along = tangent.dot(&u);
+    let by_edge = slip.dot(&u) + w.dot(&spins[edge].cross(&u));
+    let by_rim = slip.dot(&tangent) + w.dot(&spins[rim].cross(&tangent));
+    let bent = 1.0 + w.dot(&arm) / arm.norm_squared();
+    let x = (by_rim - along * by_edge) / (bent - along * along);
+    let y = along * x - by_edge;
+    let (moved, n) = (slip + u * y - tangent * x, meeting.normal);
+    let sign = if rim == 0 { 1.0 } else { -1.0 };
+    let turned = (moved - n * n.dot(&moved)) * (sign / w.norm());
+    let mut slides = [Vector3::zeros(); 2];
+    slides[rim] = tangent * x;
+    Some((slides, turned))
 }
 
 /// How the normal of two edges turns with them (1/s).

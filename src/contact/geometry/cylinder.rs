@@ -9,6 +9,7 @@
 //! Its faces, and its side against edges and corners, have normals in closed form. A rim (tangent `e(φ)`) that an edge (direction `u`)
 //! touches has the normal `e(φ) × u / |e(φ) × u|` at a stationary point of the distance along it, a root in φ.
 
+use super::askew::{self, Circle};
 use super::solid::{Placed, apart};
 use nalgebra::Vector3;
 
@@ -30,12 +31,21 @@ pub(super) fn axes(a: &Placed, b: &Placed) -> Vec<Vector3<f64>> {
         found.extend((from - along * along.dot(&from)).try_normalize(0.0));
     }
     if b.rim > 0.0 {
+        found.extend(askew::axes(&circles(a), &circles(b)));
         return found;
     }
     for edge in &b.edges {
         found.extend(on_rim(a, b, &along, edge));
     }
     found
+}
+
+/// The rims of a cylinder, their axes outwards.
+fn circles(core: &Placed) -> [Circle; 2] {
+    [0, 1].map(|end| {
+        let axis = (core.vertices[end] - core.vertices[1 - end]).normalize();
+        Circle { middle: core.vertices[end], axis, radius: core.rim }
+    })
 }
 
 /// Normals of eq. (1) of stationary distance between a rim and an edge.

@@ -64,6 +64,13 @@ impl Meeting {
                 let [u, v] = self.edges;
                 let turns =
                     |i: usize, e: &Vector3<f64>| spins[i].cross(e) + chord::bends(self.rims[i].as_ref(), &slides[i]);
+                if let Some((slides, normal)) = chord::about(self, bodies, spins) {
+                    let point = match self.rims[0] {
+                        Some(_) => va,
+                        None => vb - apart * normal - n * n.dot(&(vb - va)),
+                    };
+                    return Drift { normal, point: point + radius * normal, slides };
+                }
                 let crossed = u.cross(&v);
                 let normal = chord::turned(self, [turns(0, &u), turns(1, &v)]);
                 // The foot on the first edge moves along it by what keeps the line between both feet along n.

@@ -15,6 +15,7 @@
 //! normal of largest separation among those of their faces and of pairs of their edges (separating axes: Gottschalk, Lin,
 //! Manocha, "OBBTree", SIGGRAPH 1996); if several are equally good, as of two edges that meet, it is their mean.
 
+mod askew;
 mod chord;
 mod cylinder;
 mod disc;

@@ -15,10 +15,10 @@
 //! ```
 //!
 //! (2) has no limit as the disc comes to lie flat: there points that are fixed to the rim take over, as corners of a polygon. Edges that lie
-//! across a disc are in [`super::chord`]; rims that meet edges or each other askew are no features here.
+//! across a disc are in [`super::chord`], rims that meet edges or each other askew in [`super::askew`].
 
-use super::chord;
 use super::feature::{Feature, Meeting, Near, PARALLEL, PlacedBoundary, Rim, TILTED, crossing, on_edge, on_face};
+use super::{askew, chord};
 use nalgebra::Vector3;
 
 /// Points that are fixed to each rim.
@@ -60,7 +60,10 @@ fn of_cylinder(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, mut put: im
     if other.of.rim == 0.0 && other.of.radius == 0.0 {
         other.edge_list().for_each(|edge| chord::CHORDS.for_each(|chord| put(Feature::Edge(chord), edge)));
     }
-    if other.of.rim == 0.0 {
+    other.edge_list().for_each(|edge| askew::RIMS.for_each(|rim| put(Feature::Edge(rim), edge)));
+    if other.of.rim > 0.0 {
+        askew::RIMS.for_each(|rim| askew::RIMS.for_each(|against| put(Feature::Edge(rim), Feature::Edge(against))));
+    } else {
         vertices(other).for_each(|vertex| put(Feature::Edge(0), vertex));
     }
     if other.of.radius > 0.0 {
@@ -126,8 +129,14 @@ fn of(own: &PlacedBoundary<'_>, other: &PlacedBoundary<'_>, features: [Feature; 
         [Feature::Edge(edge), Feature::Edge(against)] if chord::CHORDS.contains(&edge) => {
             chord::meeting(own, other, [edge, against])
         }
-        [Feature::Edge(edge), Feature::Edge(against)] => {
-            crossing(own, other, [edge, against], [own.of.rim, about], near)
+        [Feature::Edge(edge), Feature::Edge(against)] if askew::RIMS.contains(&edge) => {
+            match other.of.rim > 0.0 && against > 0 {
+                true => askew::with_rim(own, other, [edge, against], near),
+                false => askew::with_edge(own, other, [edge, against], about, near),
+            }
+        }
+        [Feature::Edge(0), Feature::Edge(against)] if other.of.rim == 0.0 || against == 0 => {
+            crossing(own, other, [0, against], [own.of.rim, about], near)
         }
         [Feature::Edge(edge), Feature::Vertex(vertex)] if other.of.rim == 0.0 => {
             let point = other.vertices[usize::from(vertex)];

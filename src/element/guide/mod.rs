@@ -30,7 +30,7 @@ pub use curve::{GuideCurve, GuideFlaw};
 
 use super::exponential::joined;
 use super::quadrature::GAUSS;
-use crate::round_off::{ONE_PLACE, PARAMETER};
+use crate::round_off::{ON_A_CURVE, ONE_PLACE, PARAMETER};
 use curve::{CLOSED, GAP, Line};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 
@@ -118,6 +118,25 @@ impl Guide {
         [self.knots[0].s, self.knots[self.knots.len() - 1].s]
     }
 
+    /// How far it is from an arc length to the end of the next piece, forward or backward (m); infinite on lines and helices, which are alike
+    /// everywhere, and beyond the ends.
+    pub fn stretch(&self, s: f64, forward: bool) -> f64 {
+        let [from, to] = self.range();
+        if !matches!(self.line, Line::Points(_) | Line::Formulas(_)) || !(s >= from && s <= to) {
+            return f64::INFINITY;
+        }
+        let (last, k) = (self.knots.len() - 1, self.piece(s));
+        let end = if forward { (k + 2).min(last) } else { k.saturating_sub(1) };
+        let way = (self.knots[end].s - s).abs();
+        // Beyond an end nothing is.
+        if way > 0.0 { way } else { f64::INFINITY }
+    }
+
+    /// The piece of an arc length on it.
+    fn piece(&self, s: f64) -> usize {
+        self.knots[1..self.knots.len() - 1].partition_point(|knot| knot.s <= s)
+    }
+
     /// Whether a body on it turns with the tangent.
     pub fn follows(&self) -> bool {
         self.follows
@@ -130,8 +149,8 @@ impl Guide {
         let [from, to] = self.range();
         let beyond = s - s.clamp(from, to);
         let mut along = self.along(u);
-        if beyond != 0.0 {
-            along.place += beyond * along.tangent[0];
+        along.place += beyond * along.tangent[0];
+        if beyond.abs() > ON_A_CURVE.of(to - from) {
             along.tangent[1..].fill(Vector3::zeros());
         }
         let [t, t1, t2, t3] = along.tangent;
@@ -177,7 +196,7 @@ impl Guide {
     fn parameter(&self, s: f64) -> (usize, f64) {
         let [from, to] = self.range();
         let s = s.clamp(from, to);
-        let k = self.knots[1..self.knots.len() - 1].partition_point(|knot| knot.s <= s);
+        let k = self.piece(s);
         let (a, b) = (&self.knots[k], &self.knots[k + 1]);
         let (way, x) = (b.s - a.s, (s - a.s) / (b.s - a.s));
         if !matches!(self.line, Line::Points(_) | Line::Formulas(_)) {
@@ -250,8 +269,9 @@ impl Guide {
                     let message = format!("has a gap near parameter {near}, or is steeper there than can be looked at");
                     return Err(GuideFlaw::new(curve.key(), message, GAP));
                 }
-                let message =
-                    format!("is not smooth near parameter {near}, looked at in pieces down to {shortest:.0e}");
+                let message = format!(
+                    "is not smooth near parameter {near}, or bends there within less than the shortest piece, {shortest:.0e}"
+                );
                 return Err(GuideFlaw::new(curve.key(), message, KINK));
             } else {
                 open.extend([[middle, b], [a, middle]]);

@@ -77,7 +77,7 @@ fn step<P: ImplicitProblem>(method: &mut impl Implicit, problem: &mut P) -> Resu
         if progress.finished() {
             return Ok(());
         }
-        let trial = control.propose(progress, problem.longest_step(progress.velocity()))?;
+        let trial = control.propose(progress, problem.longest_step(progress.position(), progress.velocity()))?;
         let attempt = match method.attempt(problem, trial) {
             Ok(error) if error.value <= 1.0 => {
                 method.parts().0.worst = error.worst;

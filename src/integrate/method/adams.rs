@@ -311,7 +311,9 @@ fn equal_steps() -> [f64; MOST_TERMS] {
 impl<P: Problem> Stepper<P> for Adams {
     fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
         while !self.progress.finished() {
-            let trial = self.control.propose(&self.progress, problem.longest_step(self.progress.velocity()))?;
+            let trial = self
+                .control
+                .propose(&self.progress, problem.longest_step(self.progress.position(), self.progress.velocity()))?;
             self.norm.allow(trial.step);
             match self.attempt(problem, trial) {
                 Ok(left) if left.error <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {

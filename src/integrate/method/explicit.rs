@@ -164,7 +164,9 @@ impl Explicit {
         if std::mem::take(&mut self.accepted) {
             self.rates.swap(0, self.pair.last);
         }
-        let trial = self.control.propose(&self.progress, problem.longest_step(self.progress.velocity()))?;
+        let trial = self
+            .control
+            .propose(&self.progress, problem.longest_step(self.progress.position(), self.progress.velocity()))?;
         self.norm.allow(trial.step);
         Ok(trial)
     }

@@ -1,11 +1,15 @@
-//! `/contacts`: what contacts push with, as JSON with a schema: their number changes from sample to sample.
+//! `/contacts`: what contacts push with, as JSON with a schema: their number changes from sample to sample. A message stands before the first
+//! sample that it belongs to, and holds until the next: what rests is written once.
 
 use super::chunks::{Records, Stop};
 use super::{CONTACTS_TOPIC, HINGES_TOPIC};
 use crate::record::ContactPush;
 use mcap::records::Record;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::borrow::Cow;
 use std::io::Read;
+use std::sync::Arc;
 
 /// The schema's name, and the JSON Schema of a message.
 pub(super) const NAME: &str = "stillpoint.Contacts";
@@ -25,48 +29,82 @@ pub(super) fn schema() -> String {
     json!({ "title": NAME, "type": "object", "properties": properties }).to_string()
 }
 
-/// The message of an instant (s).
-pub(super) fn message(time: f64, contacts: &[ContactPush]) -> String {
-    let one = |contact: &ContactPush| {
-        let mode = if contact.slips { "slip" } else { "stick" };
-        json!({
-            "between": contact.between, "point": contact.point, "normal": contact.normal, "force": contact.force,
-            "mode": mode,
-        })
-    };
-    json!({ "time": time, "contacts": contacts.iter().map(one).collect::<Vec<_>>() }).to_string()
+/// A message.
+#[derive(Serialize, Deserialize)]
+struct Instant<'a> {
+    #[serde(borrow)]
+    contacts: Vec<Push<'a>>,
+    /// (s)
+    time: f64,
 }
 
-fn parsed(data: &[u8]) -> Option<(f64, Vec<ContactPush>)> {
-    let value: Value = serde_json::from_slice(data).ok()?;
-    let vector = |of: &Value| -> Option<[f64; 3]> { Some([of[0].as_f64()?, of[1].as_f64()?, of[2].as_f64()?]) };
-    let name = |of: &Value| of.as_str().map(str::to_owned);
-    let one = |of: &Value| {
-        Some(ContactPush {
-            between: [name(&of["between"][0])?, name(&of["between"][1])?],
-            point: vector(&of["point"])?,
-            normal: vector(&of["normal"])?,
-            force: vector(&of["force"])?,
-            slips: of["mode"] == "slip",
-        })
-    };
-    let contacts: Option<Vec<ContactPush>> = value["contacts"].as_array()?.iter().map(one).collect();
-    Some((value["time"].as_f64()?, contacts?))
+/// One contact of it.
+#[derive(Serialize, Deserialize)]
+struct Push<'a> {
+    #[serde(borrow)]
+    between: [Cow<'a, str>; 2],
+    force: [f64; 3],
+    mode: Mode,
+    normal: [f64; 3],
+    point: [f64; 3],
 }
 
-/// All messages of a file with their times (s), to its last whole chunk where it was cut.
-pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Vec<ContactPush>)>, String> {
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Mode {
+    Stick,
+    Slip,
+}
+
+/// Appends the message of an instant (s).
+///
+/// # Errors
+/// None of numbers and names; what serializers may say.
+pub(super) fn message(time: f64, contacts: &[ContactPush], into: &mut Vec<u8>) -> serde_json::Result<()> {
+    fn one(contact: &ContactPush) -> Push<'_> {
+        let [first, second] = &contact.between;
+        Push {
+            between: [Cow::Borrowed(first), Cow::Borrowed(second)],
+            force: contact.force,
+            mode: if contact.slips { Mode::Slip } else { Mode::Stick },
+            normal: contact.normal,
+            point: contact.point,
+        }
+    }
+    serde_json::to_writer(into, &Instant { contacts: contacts.iter().map(one).collect(), time })
+}
+
+fn parsed(data: &[u8]) -> serde_json::Result<(f64, Vec<ContactPush>)> {
+    let Instant { contacts, time } = serde_json::from_slice(data)?;
+    let one = |push: Push<'_>| ContactPush {
+        between: push.between.map(Cow::into_owned),
+        point: push.point,
+        normal: push.normal,
+        force: push.force,
+        slips: matches!(push.mode, Mode::Slip),
+    };
+    Ok((time, contacts.into_iter().map(one).collect()))
+}
+
+/// What holds at each sample of a file, with its time (s), to its last whole chunk where it was cut; nothing of a scene without contact.
+pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Arc<Vec<ContactPush>>)>, String> {
     let (mut channel, mut samples, mut all) = (None, None, Vec::new());
+    // Since when the last message holds (s), until a sample has had it.
+    let (mut since, mut holds) = (None, Arc::default());
     loop {
         match records.next() {
             Some(Ok(Record::Channel(found))) if found.topic == HINGES_TOPIC => samples = Some(found.id),
-            // Contacts stand before the sample that they belong to.
-            Some(Ok(Record::Message { header, .. })) if channel.is_none() && samples == Some(header.channel_id) => {
-                return Ok(all);
-            }
             Some(Ok(Record::Channel(found))) if found.topic == CONTACTS_TOPIC => channel = Some(found.id),
             Some(Ok(Record::Message { header, data })) if Some(header.channel_id) == channel => {
-                all.push(parsed(&data).ok_or("a message of `/contacts` is not what its schema says")?);
+                let (time, contacts) = parsed(&data)
+                    .map_err(|why| format!("a message of `/contacts` is not what its schema says: {why}"))?;
+                (since, holds) = (Some(time), Arc::new(contacts));
+            }
+            Some(Ok(Record::Message { header, .. })) if samples == Some(header.channel_id) => {
+                if channel.is_none() {
+                    return Ok(all);
+                }
+                all.push((since.take().unwrap_or(header.log_time as f64 * 1e-9), Arc::clone(&holds)));
             }
             Some(Ok(_)) => {}
             None | Some(Err(Stop::Truncated)) => return Ok(all),
@@ -103,8 +141,9 @@ mod tests {
                 slips: true,
             };
             let time = number();
-            let read = parsed(message(time, std::slice::from_ref(&push)).as_bytes());
-            assert_eq!(read, Some((time, vec![push])));
+            let mut written = Vec::new();
+            message(time, std::slice::from_ref(&push), &mut written).unwrap();
+            assert_eq!(parsed(&written).unwrap(), (time, vec![push]));
         }
     }
 }

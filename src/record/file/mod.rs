@@ -14,7 +14,7 @@
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/couplings` | `stillpoint.Couplings`, each sample; in scenes with drives, motors, gears or loops |
 //! | `/outputs` | `stillpoint.Outputs`, each sample; in scenes with outputs |
-//! | `/contacts` | `stillpoint.Contacts`, JSON, each sample: bodies, point, normal, force on the second body, `stick` or `slip`; in scenes with contact |
+//! | `/contacts` | `stillpoint.Contacts`, JSON, before each sample at which it changes: bodies, point, normal, force on the second body, `stick` or `slip`; in scenes with contact |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
 //! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
 //! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, if there are up to 64 |

@@ -7,6 +7,7 @@ use mcap::records::Record;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A recording on disk, finished or not.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,11 +117,12 @@ impl Recording {
             .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })
     }
 
-    /// What contacts pushed with: times of samples (s), and what bore then; the whole file is read.
+    /// What contacts pushed with: times of samples (s), and what bore then, one and the same list where nothing changed; the whole file is
+    /// read.
     ///
     /// # Errors
     /// When the file cannot be read or its content is wrong.
-    pub fn contacts(&self) -> Result<Vec<(f64, Vec<ContactPush>)>, RecordError> {
+    pub fn contacts(&self) -> Result<Vec<(f64, Arc<Vec<ContactPush>>)>, RecordError> {
         let (source, bytes) = open(&self.path)?;
         contacts::read(Records::contents(source, bytes))
             .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })

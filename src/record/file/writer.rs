@@ -129,6 +129,8 @@ pub(super) struct Output<W: Write + Seek> {
     channels: Channels,
     joints: Option<(u16, Joints)>,
     sequence: u32,
+    /// What contacts pushed with when that was last written.
+    pushes: Vec<ContactPush>,
     buffer: Vec<u8>,
     chunk_bytes: usize,
     flushed: Instant,
@@ -186,7 +188,8 @@ impl<W: Write + Seek> Output<W> {
         mcap.flush()?;
         let now = Instant::now();
         let buffer = Vec::new();
-        Ok(Self { mcap, channels, joints, sequence: 0, buffer, chunk_bytes: 0, flushed: now, paused: now })
+        let pushes = Vec::new();
+        Ok(Self { mcap, channels, joints, sequence: 0, pushes, buffer, chunk_bytes: 0, flushed: now, paused: now })
     }
 
     pub(super) fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
@@ -254,6 +257,7 @@ impl<W: Write + Seek> Output<W> {
 
     fn contacts(&mut self, time: f64, pushes: &[ContactPush]) -> McapResult<()> {
         let channel = match self.channels.contacts {
+            Some(_) if self.pushes == pushes => return Ok(()),
             Some(channel) => channel,
             None => {
                 let schema = self.mcap.add_schema(contacts::NAME, "jsonschema", contacts::schema().as_bytes())?;
@@ -261,8 +265,11 @@ impl<W: Write + Seek> Output<W> {
                 *self.channels.contacts.insert(channel)
             }
         };
-        self.buffer.extend(contacts::message(time, pushes).bytes());
-        self.message(channel, (time * 1e9).round() as u64)
+        contacts::message(time, pushes, &mut self.buffer).map_err(io::Error::other)?;
+        self.message(channel, (time * 1e9).round() as u64)?;
+        self.pushes.clear();
+        self.pushes.extend_from_slice(pushes);
+        Ok(())
     }
 
     /// Writes the buffer as a message and empties it.

@@ -320,7 +320,7 @@ pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, Rec
     for (index, sample) in recording.samples()?.enumerate() {
         let sample = sample?;
         if let Some((_, pushes)) = contacts.next() {
-            viewer.pushes = Some(pushes);
+            viewer.pushes = Some(Vec::clone(&pushes));
         }
         if only.is_none_or(|only| only == index) {
             viewer.sample(&sample.borrow())?;

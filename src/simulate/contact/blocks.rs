@@ -156,6 +156,14 @@ impl Trees {
         Self { all, of, largest }
     }
 
+    /// The trees that columns are of.
+    pub(super) fn beside(&self, columns: &[Column; 3]) -> Vec<usize> {
+        let mut found: Vec<usize> = columns.iter().flatten().map(|(i, _)| self.of[*i].0).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Whether two velocity coordinates are of one tree.
     pub(super) fn hang_together(&self, one: usize, other: usize) -> bool {
         self.of[one].0 == self.of[other].0

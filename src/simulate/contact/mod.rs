@@ -33,6 +33,7 @@
 mod active;
 mod blocks;
 mod capture;
+mod coupling;
 mod decide;
 mod impact;
 mod joint;
@@ -53,7 +54,7 @@ use crate::round_off::REBOUND_OF_BODIES;
 use crate::spatial::link::LinkAcceleration;
 pub(super) use capture::Capture;
 pub(super) use decide::Told;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 use std::cell::OnceCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -134,6 +135,12 @@ pub(super) struct Closed {
     since: f64,
 }
 
+impl Closed {
+    fn may_push(&self) -> bool {
+        self.state != ContactState::Spare && self.pushes
+    }
+}
+
 /// The contacts of a run.
 #[derive(Debug)]
 pub(super) struct Contacts {
@@ -153,9 +160,9 @@ pub(super) struct Contacts {
     carried: Vec<LinkAcceleration>,
     frames: Vec<Frame>,
     /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
-    last: (DMatrix<f64>, DVector<f64>),
-    /// What unit forces of these rows accelerate along every slip that friction brakes, if some rows depend on others.
-    along_slips: Vec<DVector<f64>>,
+    last: (coupling::Coupling, DVector<f64>),
+    /// What unit forces of these rows accelerate along every slip that friction brakes, with its own row, if some rows depend on others.
+    along_slips: Vec<(usize, DVector<f64>)>,
     /// Rows of closed contacts in their states that are linearly independent.
     independent: Vec<usize>,
     /// How far forces are within their cones in the last place, once that is asked for.
@@ -211,7 +218,7 @@ impl Contacts {
             kept: KEPT * speed,
             carried: Vec::new(),
             frames: Vec::new(),
-            last: (DMatrix::zeros(0, 0), DVector::zeros(0)),
+            last: (coupling::Coupling::default(), DVector::zeros(0)),
             along_slips: Vec::new(),
             independent: Vec::new(),
             reserve: OnceCell::new(),

@@ -1,19 +1,16 @@
 //! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
 
 use super::blocks::Inverses;
+use super::coupling::{Across, Component, Coupling, RANK};
 use super::{Closed, ContactState, Contacts};
 use crate::contact::frame::{Frame, along};
 use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Factorized, Fault, System};
 use crate::round_off::{CONTACT_GAP, CONTACT_SPEED};
 use crate::spatial::Wrench;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 use std::cell::OnceCell;
 
-/// Singular values below this part of the largest are those of linearly dependent rows.
-const RANK: f64 = 1e-9;
-/// Rows that answer to what they push with by less than this part of those that answer the most do so by rounding, beside loops and drives.
-const IMMOVABLE: f64 = 1e-13;
 /// Rows are chosen anew once the least independent of those that are kept is so by less than this part of what it would be of others: a point that
 /// moves along a line of contact comes to the end of it, where another one is.
 const WORN: f64 = 0.1;
@@ -90,9 +87,9 @@ impl Contacts {
             let frame = &self.frames[row.of];
             -(frame.rates(a) + frame.bias).dot(&row.measures)
         });
-        let (matrix, rates) = (self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), rates));
-        let forces = self.solve(&matrix, &rates);
-        self.last = (matrix, rates);
+        let (coupling, rates) = (self.coupling(&rows, &answers), DVector::from_iterator(rows.len(), rates));
+        let forces = coupling.solve(&rates, &self.independent);
+        self.last = (coupling, rates);
         self.along_slips = self.along_slips(&rows, &answers);
         for ((row, answer), force) in rows.iter().zip(&answers).zip(forces.iter()) {
             a.iter_mut().zip(answer).for_each(|(a, x)| *a += force * x);
@@ -108,18 +105,19 @@ impl Contacts {
         self.press(mass);
     }
 
-    /// What unit forces of rows accelerate along every slip that friction brakes: none if no row depends on others, as forces are unique.
-    fn along_slips(&self, rows: &[Row], answers: &[Vec<f64>]) -> Vec<DVector<f64>> {
+    /// What unit forces of rows accelerate along every slip that friction brakes, with the row that pushes there: none if no row depends on
+    /// others, as forces are unique.
+    fn along_slips(&self, rows: &[Row], answers: &[Vec<f64>]) -> Vec<(usize, DVector<f64>)> {
         if self.independent.len() == rows.len() {
             return Vec::new();
         }
-        let slips = |row: &&Row| row.pushes.x != 0.0 && row.pushes.yz() != nalgebra::Vector2::zeros();
-        let along = |row: &Row| {
+        let slips = |(_, row): &(usize, &Row)| row.pushes.x != 0.0 && row.pushes.yz() != nalgebra::Vector2::zeros();
+        let along = |(at, row): (usize, &Row)| {
             let slip =
                 Row { of: row.of, measures: Vector3::new(0.0, row.pushes.y, row.pushes.z), pushes: Vector3::zeros() };
-            DVector::from_iterator(answers.len(), answers.iter().map(|answer| self.measured(&slip, answer)))
+            (at, DVector::from_iterator(answers.len(), answers.iter().map(|answer| self.measured(&slip, answer))))
         };
-        rows.iter().filter(slips).map(along).collect()
+        rows.iter().enumerate().filter(slips).map(along).collect()
     }
 
     /// Hands the forces to the system, so that reactions and powers have them.
@@ -134,7 +132,9 @@ impl Contacts {
     pub(super) fn choose(&mut self, mass: &mut Factorized<'_>) {
         let rows = self.kept_rows();
         let answers = self.answers(mass, &rows);
-        self.independent = pivots(&self.matrix(&rows, &answers)).rows;
+        let coupling = self.coupling(&rows, &answers);
+        self.independent = coupling.components.iter().flat_map(|own| coupling.pivots(own).rows).collect();
+        self.independent.sort_unstable();
     }
 
     /// Decides it again behind a step if points of contact have moved to where others are the better choice ([`WORN`]); frames are those of the
@@ -144,27 +144,25 @@ impl Contacts {
             return;
         }
         let answers = self.answers(mass, rows);
-        let (matrix, kept) = (self.matrix(rows, &answers), &self.independent);
-        let own = DMatrix::from_fn(kept.len(), kept.len(), |i, j| matrix[(kept[i], kept[j])]);
-        let (own, best) = (pivots(&own), pivots(&matrix));
-        if best.rows.len() == kept.len() && (own.rows.len() < kept.len() || own.least < WORN * best.least) {
-            self.independent = best.rows;
-        }
+        let coupling = self.coupling(rows, &answers);
+        let choice = |component: &Component| {
+            let kept = component.own(&self.independent);
+            let (own, best) = (coupling.pivots_among(component, &kept), coupling.pivots(component));
+            let worn = own.rows.len() < kept.len() || own.least < WORN * best.least;
+            if best.rows.len() == kept.len() && worn {
+                best.rows
+            } else {
+                kept.iter().map(|at| component.rows[*at]).collect()
+            }
+        };
+        self.independent = coupling.components.iter().flat_map(choice).collect();
+        self.independent.sort_unstable();
     }
 
     /// Closed contacts of which a row depends on others.
     pub(super) fn dropped(&self) -> Vec<usize> {
         let rows = self.rows().into_iter().enumerate();
         rows.filter(|(row, _)| !self.independent.contains(row)).map(|(_, row)| row.of).collect()
-    }
-
-    /// The solution of least norm, each row in units of its own entry: in the span of the independent rows.
-    fn solve(&self, matrix: &DMatrix<f64>, rates: &DVector<f64>) -> DVector<f64> {
-        let (n, kept) = (rates.len(), &self.independent);
-        if n == 1 {
-            return if matrix[(0, 0)] == 0.0 { DVector::zeros(1) } else { rates / matrix[(0, 0)] };
-        }
-        least_norm(matrix, rates, kept)
     }
 
     /// `M⁻¹ Pᵀ`.
@@ -193,8 +191,9 @@ impl Contacts {
     }
 
     /// `R M⁻¹ Pᵀ`.
-    fn matrix(&self, rows: &[Row], answers: &[Vec<f64>]) -> DMatrix<f64> {
-        DMatrix::from_fn(rows.len(), rows.len(), |i, j| self.measured(&rows[i], &answers[j]))
+    fn coupling(&self, rows: &[Row], answers: &[Vec<f64>]) -> Coupling {
+        let trees: Vec<Vec<usize>> = rows.iter().map(|row| self.trees.beside(&self.frames[row.of].columns)).collect();
+        Coupling::new(&trees, |i, j| self.measured(&rows[i], &answers[j]))
     }
 
     fn measured(&self, row: &Row, x: &[f64]) -> f64 {
@@ -241,7 +240,7 @@ impl Contacts {
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
             let answers = self.answers(&mut system.factorized_beside(q, v), &rows);
             let rates = DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u));
-            let change = self.solve(&self.matrix(&rows, &answers), &rates);
+            let change = self.coupling(&rows, &answers).solve(&rates, &self.independent);
             for (answer, f) in answers.iter().zip(change.iter()) {
                 v.iter_mut().zip(answer).for_each(|(v, x)| *v += f * x);
             }
@@ -278,7 +277,7 @@ impl Contacts {
         let rows: Vec<Row> = (0..gaps.len()).filter(rigid).map(|of| Row { of, measures: e, pushes: e }).collect();
         let answers = self.answers(mass, &rows);
         let ways = DVector::from_iterator(rows.len(), rows.iter().map(|row| -gaps[row.of]));
-        let found = shortest(&self.matrix(&rows, &answers), &ways);
+        let found = self.coupling(&rows, &answers).shortest(&ways);
         let mut by = vec![0.0; self.model.velocity_count()];
         for (answer, f) in answers.iter().zip(found.iter()) {
             by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);
@@ -289,33 +288,61 @@ impl Contacts {
 
 impl Contacts {
     /// The largest slack of forces with the accelerations of the last place, see [`slack`], in parts of the scale, and these forces of all closed
-    /// contacts (N, inertial axes); `None` if forces are unique or that is not known. Forces that meet the rows accelerate what slips by as much as theirs: how hard it is
-    /// pressed is what brakes it.
+    /// contacts (N, inertial axes); `None` if forces are unique or that is not known. Where those of least norm are none a component has others.
     pub(super) fn best(&self) -> Option<(f64, Vec<Vector3<f64>>)> {
         let rows = self.rows();
-        let (matrix, rates) = &self.last;
-        if self.independent.len() == rows.len() || matrix.nrows() != rows.len() {
+        let (coupling, _) = &self.last;
+        if self.independent.len() == rows.len() || coupling.count != rows.len() {
             return None;
         }
-        let kept = &self.independent;
-        let Across { units, q, x } = Across::new(matrix, rates, kept)?;
+        let mut forces: Vec<Vector3<f64>> = self.closed.iter().map(|closed| closed.force).collect();
+        let within = |of: usize| self.inward(&self.closed[of], &self.closed[of].force) / self.scale;
+        let mut least = f64::INFINITY;
+        let mut alone = vec![true; self.closed.len()];
+        for component in &coupling.components {
+            component.rows.iter().for_each(|row| alone[rows[*row].of] = false);
+            let own = component.rows.iter().map(|row| within(rows[*row].of)).fold(f64::INFINITY, f64::min);
+            let better = if own < 0.0 { self.best_of(component, &rows) } else { None };
+            let Some((slack, parts)) = better.filter(|(slack, _)| *slack > own) else {
+                least = least.min(own);
+                continue;
+            };
+            least = least.min(slack);
+            component.rows.iter().for_each(|row| forces[rows[*row].of] = Vector3::zeros());
+            for (row, part) in component.rows.iter().map(|row| &rows[*row]).zip(parts) {
+                forces[row.of] += self.frames[row.of].basis * (row.pushes * (part * self.scale));
+            }
+        }
+        let others = (0..alone.len()).filter(|of| alone[*of] && self.closed[*of].may_push());
+        Some((others.map(within).fold(least, f64::min), forces))
+    }
+
+    /// The largest slack in a component and the parts of the scale that its rows push with; `None` if forces are unique there or that is not
+    /// known. Forces that meet the rows accelerate what slips by as much as theirs: how hard it is pressed is what brakes it.
+    fn best_of(&self, component: &Component, rows: &[Row]) -> Option<(f64, Vec<f64>)> {
+        let (coupling, rates) = &self.last;
+        let (own, kept) = (&component.rows, component.own(&self.independent));
+        if kept.len() == own.len() {
+            return None;
+        }
+        let Across { units, q, x } = coupling.across(component, rates, &kept)?;
         // Forces in parts of the scale, slips straight on as free numbers: Qᵀ λ = x.
         // What nothing can move along pushes nothing, either.
         let in_units = |entry: f64, unit: f64| if unit > 0.0 { entry / unit } else { 0.0 };
-        let equation = |k: usize| -> Vec<f64> { (0..rows.len()).map(|j| in_units(q[(j, k)], units[j])).collect() };
+        let equation = |k: usize| -> Vec<f64> { (0..own.len()).map(|j| in_units(q[(j, k)], units[j])).collect() };
         let mut equations: Vec<Vec<f64>> = (0..kept.len()).map(equation).collect();
         let mut right: Vec<f64> = x.iter().map(|x| x / self.scale).collect();
         // Forces of least norm are in the span of the rows: across it, what slips is accelerated by zero.
         let mut known = q;
-        for along in &self.along_slips {
-            let along = along.component_mul(&DVector::from_column_slice(&units));
+        for (_, along) in self.along_slips.iter().filter(|(row, _)| own.contains(row)) {
+            let along = DVector::from_iterator(own.len(), own.iter().zip(&units).map(|(row, unit)| along[*row] * unit));
             let (size, mut left) = (along.norm(), along);
             for _ in 0..2 {
                 left -= &known * known.tr_mul(&left);
             }
             if left.norm() > RANK.sqrt() * size {
                 let left = left.normalize();
-                equations.push((0..rows.len()).map(|j| in_units(left[j], units[j])).collect());
+                equations.push((0..own.len()).map(|j| in_units(left[j], units[j])).collect());
                 right.push(0.0);
                 let at = known.ncols();
                 known = known.insert_column(at, 0.0);
@@ -323,7 +350,7 @@ impl Contacts {
             }
         }
         let mut cones = Vec::new();
-        for row in &rows {
+        for row in own.iter().map(|row| &rows[*row]) {
             let closed = &self.closed[row.of];
             match closed.state {
                 ContactState::Stick if row.measures.x != 0.0 => {
@@ -334,38 +361,8 @@ impl Contacts {
                 ContactState::Slip(_) => cones.push(Cone::Ray),
             }
         }
-        let (slack, parts) = slack(&equations, &right, &cones)?;
-        let mut forces = vec![Vector3::zeros(); self.closed.len()];
-        for (row, part) in rows.iter().zip(parts) {
-            forces[row.of] += self.frames[row.of].basis * (row.pushes * (part * self.scale));
-        }
-        Some((slack, forces))
+        slack(&equations, &right, &cones)
     }
-}
-
-/// Rows of a matrix that are linearly independent, in order.
-struct Pivots {
-    rows: Vec<usize>,
-    /// The last pivot: how independent of the others the least of them is, 1 if it is across all of them.
-    least: f64,
-}
-
-/// Rows of a symmetric positive semidefinite matrix that are linearly independent (Cholesky's factorization with complete pivoting).
-fn pivots(matrix: &DMatrix<f64>) -> Pivots {
-    let (n, units) = (matrix.nrows(), units(matrix));
-    let mut left = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[i] * units[j]);
-    let mut found = Pivots { rows: Vec::new(), least: 0.0 };
-    for _ in 0..n {
-        let others = (0..n).filter(|i| !found.rows.contains(i));
-        let largest = others.max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)]));
-        let Some(at) = largest.filter(|at| left[(*at, *at)] > RANK) else { break };
-        found.least = left[(at, at)];
-        let column = left.column(at) / found.least.sqrt();
-        left -= &column * column.transpose();
-        found.rows.push(at);
-    }
-    found.rows.sort_unstable();
-    found
 }
 
 /// A force on the second of two links at a point, and its opposite on the first.
@@ -373,52 +370,5 @@ pub(super) fn press(mass: &mut Factorized<'_>, links: [usize; 2], point: &Vector
     for (link, sign) in links.into_iter().zip([-1.0, 1.0]) {
         let (at, force) = (mass.motion().links[link].position, force * sign);
         mass.press(link, Wrench { force, moment: (point - at).cross(&force) });
-    }
-}
-
-/// What makes the rows of a matrix comparable: its diagonal is 1 with them; 0 for rows along which hinges, loops and drives let nothing
-/// move.
-fn units(matrix: &DMatrix<f64>) -> Vec<f64> {
-    let entries = matrix.diagonal();
-    let least = IMMOVABLE * entries.amax();
-    let unit = |entry: &f64| if entry.abs() > least { entry.abs().sqrt().recip() } else { 0.0 };
-    entries.iter().map(unit).collect()
-}
-
-/// The solution of least norm of rows of which these are linearly independent, each in units of its own entry.
-fn least_norm(matrix: &DMatrix<f64>, rates: &DVector<f64>, kept: &[usize]) -> DVector<f64> {
-    let n = rates.len();
-    let Some(Across { units, q, x }) = Across::new(matrix, rates, kept) else {
-        return DVector::from_element(n, f64::NAN);
-    };
-    let mut found = q * x;
-    found.iter_mut().zip(&units).for_each(|(x, unit)| *x *= unit);
-    found
-}
-
-/// Equations of independent rows with orthonormal coefficients, `Qᵀ λ = x`, forces in units of their rows: `Bᵢᵀ = Q R`, `x = R⁻ᵀ rᵢ`.
-struct Across {
-    units: Vec<f64>,
-    q: DMatrix<f64>,
-    x: DVector<f64>,
-}
-
-impl Across {
-    fn new(matrix: &DMatrix<f64>, rates: &DVector<f64>, kept: &[usize]) -> Option<Self> {
-        let units = units(matrix);
-        let across = DMatrix::from_fn(rates.len(), kept.len(), |j, i| matrix[(kept[i], j)] * units[kept[i]] * units[j]);
-        let factors = across.qr();
-        let mut x = DVector::from_iterator(kept.len(), kept.iter().map(|i| rates[*i] * units[*i]));
-        factors.r().tr_solve_upper_triangular_mut(&mut x).then(|| Self { units, q: factors.q(), x })
-    }
-}
-
-/// The solution of least norm of symmetric rows that may be linearly dependent.
-fn shortest(matrix: &DMatrix<f64>, rates: &DVector<f64>) -> DVector<f64> {
-    match rates.len() {
-        0 => DVector::zeros(0),
-        1 if matrix[(0, 0)] == 0.0 => DVector::zeros(1),
-        1 => rates / matrix[(0, 0)],
-        _ => least_norm(matrix, rates, &pivots(matrix).rows),
     }
 }

@@ -175,15 +175,17 @@ impl Contacts {
         if dragged > DRAGGED * self.kept {
             return -dragged / self.kept;
         }
-        let bears = |closed: &&Closed| closed.state != ContactState::Spare && closed.pushes;
-        let each = self.closed.iter().filter(bears).map(|closed| {
-            let n = closed.meeting.normal.dot(&closed.force);
-            let across = (closed.force - closed.meeting.normal * n).norm();
-            let friction = self.law(closed.key.couple).friction.stick;
-            if closed.state == ContactState::Stick { n.min(friction * n - across) } else { n }
-        });
-        let least = each.fold(f64::INFINITY, f64::min) / self.scale;
+        let bears = self.closed.iter().filter(|closed| closed.may_push());
+        let least = bears.map(|closed| self.inward(closed, &closed.force)).fold(f64::INFINITY, f64::min) / self.scale;
         if least < 0.0 { self.best().map_or(least, |(best, _)| best.max(least)) } else { least }
+    }
+
+    /// How far a force is within the cone of a contact (N).
+    pub(super) fn inward(&self, closed: &Closed, force: &Vector3<f64>) -> f64 {
+        let n = closed.meeting.normal.dot(force);
+        let across = (force - closed.meeting.normal * n).norm();
+        let friction = self.law(closed.key.couple).friction.stick;
+        if closed.state == ContactState::Stick { n.min(friction * n - across) } else { n }
     }
 
     /// The largest slip of what sticks and is moved along by what friction cannot hold up, as a drive: rows that depend on others are
