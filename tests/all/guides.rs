@@ -414,7 +414,7 @@ fn bad_curves_are_shown_where_they_are_written() {
         "turn = \"follows\"",
     ];
     insta::assert_snapshot!(all.map(said).join("\n"), @r#"
-    error: the curve of the hinge of `bead` is not smooth near parameter 0, looked at in pieces down to 2e-9
+    error: the curve of the hinge of `bead` is not smooth near parameter 0, or bends there within less than the shortest piece, 2e-9
      --> scene.toml:4:85
       |
     4 | hinge = { type = "along", curve = { parameter = "u", x = "u", z = "abs(u)", range = [-1.0, 1.3] } }
