@@ -266,6 +266,12 @@ impl Pairs {
         }
     }
 
+    /// How far two shapes are apart along a unit vector from the first to the second, neither being a plane (m).
+    pub(crate) fn apart_along(&self, couple: usize, n: &Vector3<f64>) -> f64 {
+        let [a, b] = self.couples[couple].pieces.map(|piece| self.standing(piece));
+        -b.support(&-n) - a.support(n)
+    }
+
     /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m). Of what is `known` it is not asked whether
     /// it passes by: what goes on where something else touched passes nothing by.
     pub(crate) fn meetings(

@@ -170,6 +170,13 @@ impl PlacedBoundary<'_> {
         self.of.edges[usize::from(edge)].map(|i| self.vertices[i])
     }
 
+    /// The largest `n·x` of the solid, which is no plane (m).
+    pub fn support(&self, n: &Vector3<f64>) -> f64 {
+        let corners = self.vertices.iter().map(|v| n.dot(v)).fold(f64::NEG_INFINITY, f64::max);
+        let across = if self.of.rim > 0.0 { (self.pose.rotation * Vector3::z()).cross(n).norm() } else { 0.0 };
+        corners + self.of.radius + self.of.rim * across
+    }
+
     /// How far a point is before the plane of a face (m).
     pub(super) fn above(&self, face: u16, point: &Vector3<f64>) -> f64 {
         let (normal, on) = self.plane_of(face);

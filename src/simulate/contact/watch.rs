@@ -132,6 +132,7 @@ impl Contacts {
         let size = self.pairs.couples[couple].size;
         let overlap = std::cell::OnceCell::new();
         let best = std::cell::Cell::new([f64::INFINITY, 0.0]);
+        let normal = std::cell::Cell::new(Vector3::zeros());
         let is_closed = |meeting: &Meeting| {
             self.closed.iter().any(|closed| {
                 closed.key.couple == couple
@@ -158,11 +159,19 @@ impl Contacts {
                 let gap = if lands { meeting.gap - LANDS * size } else { meeting.gap };
                 if gap < best.get()[0] {
                     best.set([gap, rate]);
+                    normal.set(meeting.normal);
                 }
             }
         };
         self.pairs.meetings(couple, [GAP * size, f64::INFINITY], |meeting| !counts(meeting), put);
-        best.get()
+        let [gap, rate] = best.get();
+        // What is deep inside has other features nearest than those that it came in by: where none proves that shapes are apart they are asked.
+        let touches = |closed: &Closed| closed.key.couple == couple && closed.state != ContactState::Spare;
+        let unproven = gap > 0.0 && balls && !(gap.is_finite() && self.pairs.apart_along(couple, &normal.get()) > 0.0);
+        if unproven && !self.closed.iter().any(touches) && depth() > GAP * size {
+            return [-depth(), 0.0];
+        }
+        [gap, rate]
     }
 
     /// Of forces of least norm; of those that are best if these are none and rows are linearly dependent.
