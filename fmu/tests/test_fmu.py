@@ -226,9 +226,11 @@ def test_states_are_kept_bit_for_bit(tmp_path, seed):
 
 @pytest.mark.parametrize("seed", range(int(os.environ.get("FMU_CASES", "4"))))
 def test_derivatives_are_those_of_the_outputs(tmp_path, seed):
-    """Accelerations are affine in the inputs: two values of them give the derivative but for rounding."""
+    """Accelerations, reactions and powers are affine in the inputs: two values of them give the derivative but for rounding."""
     draw = random.Random(200 + seed)
-    fmu = written(tmp_path, scene(draw, start="given"))
+    asks = [("energy", "kinetic"), ("energy", "potential"), ("power", "input"), ("power", "dissipated"), ("reaction", "b0")]
+    passed = "".join(f'[[output]]\nname = "{of} {kind}"\ntype = "{kind}"\nof = "{of}"\n' for kind, of in asks)
+    fmu = written(tmp_path, scene(draw, start="given", extra=passed))
     instance = fmu.instance().start()
     instance.step(0.0, 0.1)
     names, inputs = fmu.outputs(), fmu.inputs()

@@ -322,9 +322,10 @@ def test_notes_come_with_numbers():
     assert "bears next to nothing" in " ".join(linear.notes)
     bar = stillpoint.load(SCENARIOS / "four_bar.toml")
     assert "leaves the loops open" in bar.warnings
-    energies = [{"name": "energy", "type": "energy", "of": "kinetic"}]
+    energies = [{"name": of, "type": "energy", "of": of} for of in ("kinetic", "input")]
     energy = stillpoint.describe({**SLIDER, "output": energies}).equilibrium().linearize()
-    assert energy.left_out == ["energy"] and "left out" in " ".join(energy.notes)
+    assert energy.outputs == ["kinetic"] and energy.left_out == ["input"]
+    assert "added up from the start of a run" in " ".join(energy.notes)
     with pytest.raises(ValueError, match="nothing feels the input"):
         stillpoint.describe({**TOUCHED, "output": []}).equilibrium().linearize("pendulum.force")
 

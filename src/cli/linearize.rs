@@ -179,10 +179,6 @@ fn about(
     if !found.idle.is_empty() {
         notes.push(format!("nothing feels the inputs `{}` at this place", found.idle.join("`, `")));
     }
-    if !found.left_out.is_empty() {
-        let list = found.left_out.join("`, `");
-        notes.push(format!("left out: `{list}`: how they vary is not known, or they are inputs themselves"));
-    }
     for hinge in idle {
         notes.push(format!(
             "the stop of {hinge} touches and bears next to nothing: the equations are those of one side"

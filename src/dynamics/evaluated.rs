@@ -167,13 +167,7 @@ impl Evaluated<'_> {
     /// Powers that no potential stands for.
     pub fn powers(&mut self) -> Powers {
         let driven = if self.system.model.drives.is_empty() { 0.0 } else { self.drive_power() };
-        let (q, v) = (self.q, self.v);
-        Powers {
-            input: applied::input(&self.system.model, &self.system.laws, &self.system.motion, self.system.time, q, v)
-                + driven
-                - self.system.model.burnt(self.system.time, &self.system.motion.links),
-            dissipated: applied::dissipated(&self.system.model, &self.system.laws, &self.system.motion, v),
-        }
+        self.system.powers(self.q, self.v, driven)
     }
 
     /// Poses of the named bodies' root markers: `world_from_body`.
@@ -183,7 +177,26 @@ impl Evaluated<'_> {
     }
 }
 
+impl System {
+    /// Powers at the place where the system is, with what drives put in (W).
+    fn powers(&self, q: &[f64], v: &[f64], driven: f64) -> Powers {
+        let Self { model, laws, motion, time, .. } = self;
+        Powers {
+            input: applied::input(model, laws, motion, *time, q, v) + driven - model.burnt(*time, &motion.links),
+            dissipated: applied::dissipated(model, laws, motion, v),
+        }
+    }
+}
+
 impl Balanced<'_> {
+    /// Powers that no potential stands for, drives pushing with the multipliers of the balance; its hinge accelerations.
+    pub fn powers(&self, accelerations: &[f64]) -> Powers {
+        let model = &self.system.model;
+        let pushes = self.system.constraints().into_iter().flat_map(|rows| rows.drive_pushes(model, accelerations));
+        let driven = model.drives.iter().zip(pushes).map(|(drive, push)| push * self.v[drive.coordinate.velocity]);
+        self.system.powers(self.q, self.v, driven.sum())
+    }
+
     /// The system.
     pub fn system(&self) -> &System {
         self.system

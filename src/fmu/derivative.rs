@@ -8,11 +8,11 @@
 //! ```
 
 use super::FmuError;
-use crate::dynamics::{Fault, Powers, System};
+use crate::dynamics::{Fault, System};
 use crate::linear::Input;
 use crate::model::output::{EnergyKind, SectionQuantity, Source};
 use crate::model::{Model, Quantity};
-use crate::output::{Given, Outputs, Varied};
+use crate::output::{AtStops, Outputs, Varied};
 use crate::simulator::Simulator;
 use std::sync::Arc;
 
@@ -34,16 +34,19 @@ pub(super) fn of_outputs(simulator: &Simulator, seed: &[f64]) -> Result<Vec<f64>
     let Some(mut outputs) = Outputs::new(&model) else { return Ok(Vec::new()) };
     let zero = vec![0.0; v.len()];
     let mut by = Varied { time: 0.0, position: &zero, velocity: &zero, acceleration: &answer, others: &[] };
-    let mut varied = look(&mut system, &mut outputs, place, &a, Some(&by))?;
+    let mut look = |system: &mut System, a: &[f64], directions: &[Varied<'_>]| {
+        outputs.look(system.at(now.time, q, v), a, &AtStops::default(), directions)
+    };
+    let mut varied = look(&mut system, &a, &[by])?.variations.concat();
     if varied.iter().any(|x| x.is_nan()) {
         // Beside the chain rule: these are affine in inputs, too, as far as they are known.
-        let mut others =
-            along(&mut system, place, seed, varied.len(), |system, a| look(system, &mut outputs, place, a, None))?;
+        let values = |system: &mut System, a: &[f64]| Ok(look(system, a, &[])?.values);
+        let mut others = along(&mut system, place, seed, varied.len(), values)?;
         for output in model.outputs.iter().filter(|output| !is_affine(&output.quantity)) {
             others[output.range()].fill(f64::NAN);
         }
         by.others = &others;
-        varied = look(&mut system, &mut outputs, place, &a, Some(&by))?;
+        varied = look(&mut system, &a, &[by])?.variations.concat();
     }
     // What an input pushes with is no acceleration: the chain (2) does not have it.
     let moving = (0..seed.len()).filter(|place| seed[*place] != 0.0).map(|place| input(&model, place));
@@ -87,30 +90,9 @@ fn is_affine(quantity: &Quantity) -> bool {
         Quantity::Force(force) => !matches!(force.source, Source::Contact(_) | Source::Stops(_)),
         Quantity::Energy(kind) => matches!(kind, EnergyKind::Kinetic | EnergyKind::Potential),
         Quantity::Section(section) => section.component != Some(SectionQuantity::STRESS),
-        Quantity::Reaction(_) | Quantity::Length(_) => true,
+        Quantity::Reaction(_) | Quantity::Length(_) | Quantity::Power(_) => true,
         _ => false,
     }
-}
-
-/// The outputs with these accelerations, which are the last that the system solved for; or how they vary.
-fn look(
-    system: &mut System,
-    outputs: &mut Outputs,
-    (time, [q, v]): At<'_>,
-    a: &[f64],
-    by: Option<&Varied<'_>>,
-) -> Result<Vec<f64>, Fault> {
-    let mut at = system.at(time, q, v);
-    at.share_multipliers()?;
-    let energies = at.energies();
-    let mut residual = vec![0.0; v.len()];
-    let balanced = at.residual(a, &mut residual)?;
-    let mut reactions = Vec::new();
-    balanced.reactions(&mut reactions);
-    let (stops, account, powers) = (&vec![0.0; v.len()][..], [0.0; 2], Powers::default());
-    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
-    let values = outputs.evaluate(&balanced, &given)?.to_vec();
-    Ok(by.map_or(values, |by| outputs.vary(&balanced, &given, by).to_vec()))
 }
 
 /// `∂y/∂u · seed` by (1) of the `count` numbers that `of` makes of the accelerations `q̈(u)`.

@@ -1,7 +1,7 @@
 //! The variables of an FMU: one table, by value reference, that the model description and every instance follow.
 
 use super::{FmuError, Scene};
-use crate::model::output::EnergyKind;
+use crate::model::output::{EnergyKind, follows_from};
 use crate::model::{Model, Output, Parameter, Quantity};
 use crate::simulate;
 use std::collections::HashSet;
@@ -82,10 +82,9 @@ impl Variables {
             let name = format!("{}.{}{dot}", channel.body, channel.name);
             list.push(variable(&name, &channel.unit, Role::Velocity(place)));
         }
-        let accumulated = accumulated(model);
         let mut left_out = Vec::new();
-        for (output, accumulated) in model.outputs.iter().zip(accumulated) {
-            if accumulated {
+        for output in &model.outputs {
+            if is_accumulated(model, output) {
                 left_out.push(output.name.clone());
                 continue;
             }
@@ -131,24 +130,11 @@ fn numbers(scene: &Scene, addresses: &[String]) -> Result<Vec<Parameter>, FmuErr
     Ok(all)
 }
 
-/// Which outputs count energies from the start of a run, or follow from one that does.
-fn accumulated(model: &Model) -> Vec<bool> {
+/// Whether an output counts energies from the start of a run, or follows from one that does.
+fn is_accumulated(model: &Model, output: &Output) -> bool {
     let counts =
         |output: &Output| matches!(output.quantity, Quantity::Energy(EnergyKind::Input | EnergyKind::Dissipated));
-    let mut all: Vec<bool> = model.outputs.iter().map(counts).collect();
-    // Expressions follow from outputs of lower depth: as many passes as there are depths find all.
-    loop {
-        let before = all.clone();
-        for (index, output) in model.outputs.iter().enumerate() {
-            let Quantity::Expression(expression) = &output.quantity else { continue };
-            // The first variable of a formula is the time.
-            let uses = |other: &Output| other.range().any(|number| expression.formula.uses(number + 1));
-            all[index] |= model.outputs.iter().zip(&before).any(|(other, counts)| *counts && uses(other));
-        }
-        if all == before {
-            return all;
-        }
-    }
+    follows_from(&model.outputs, output, counts).is_some()
 }
 
 fn check_names(list: &[Variable]) -> Result<(), FmuError> {

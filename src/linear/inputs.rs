@@ -2,7 +2,7 @@
 
 use crate::force::Act;
 use crate::model::description::{Description, ForceKind, LoadAxes};
-use crate::model::output::Source;
+use crate::model::output::{Source, follows_from};
 use crate::model::parameter::Field;
 use crate::model::{Element, Model, Output, Parameter, Quantity};
 use crate::spatial::link::LinkMotion;
@@ -151,7 +151,7 @@ impl Input {
 
     /// Whether an output is what this input pushes with, or may follow from it.
     pub fn is_told_by(&self, model: &Model, output: &Output) -> bool {
-        let is_own = |quantity: &Quantity| match (self, quantity) {
+        let is_own = |output: &Output| match (self, &output.quantity) {
             (Self::Coordinate { motor: Some(motor), .. }, Quantity::Force(force)) => {
                 matches!(force.source, Source::Motor(index) if index == *motor)
             }
@@ -160,13 +160,6 @@ impl Input {
             }
             _ => false,
         };
-        match &output.quantity {
-            Quantity::Expression(expression) => {
-                let numbers = model.outputs.iter().flat_map(|other| std::iter::repeat_n(other, other.units.len()));
-                let mut used = numbers.enumerate().filter(|(number, _)| expression.formula.uses(number + 1));
-                used.any(|(_, other)| self.is_told_by(model, other))
-            }
-            quantity => is_own(quantity),
-        }
+        follows_from(&model.outputs, output, is_own).is_some()
     }
 }

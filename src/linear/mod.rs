@@ -11,28 +11,28 @@
 //! ```
 //!
 //! `K`, `D`, `M` are the transfer equations differentiated, `C` and `D` the outputs by the chain rule
-//! ([`Outputs::vary`](crate::output::Outputs::vary)) along `δq`, `δq̇`, and `δq̈` by (1). What hinges, rows and sections pass on follows by
-//! extrapolated differences along the same directions (`forces`).
+//! ([`Outputs::vary`](crate::output::Outputs::vary)) along `δq`, `δq̇`, and `δq̈` by (1). What hinges, rows and sections pass on, energies and
+//! powers follow by extrapolated differences along the same directions (`beside`).
 
 mod basis;
+mod beside;
 mod discrete;
-mod forces;
 mod inputs;
 mod kinks;
+mod told;
 
 pub use discrete::hold;
 pub use inputs::{Input, Unfit};
+pub use told::{LeftOut, Why};
 
 use crate::constraint::Constraints;
-use crate::dynamics::{Fault, Linearization, Powers, System};
+use crate::dynamics::{Fault, Linearization, System};
 use crate::force::Act;
 use crate::model::{Model, StopLaw};
 use crate::motion::variation::{Direction, LinkVariation, outward};
-use crate::output::{Given, Outputs, Varied};
 use basis::Basis;
 use faer::linalg::solvers::Solve;
 pub use faer::{Mat, c64};
-use forces::{Along, Beside};
 use std::sync::Arc;
 
 /// A place about which a scene is linearized.
@@ -105,22 +105,9 @@ pub enum LinearError {
         /// A hinge that moves.
         hinge: String,
     },
-    /// The variation of an output is not known.
-    #[error(
-        "the variation of the output `{0}` is not known: of energies and powers, of forces of contacts, of those \
-         that are shared by more rows than move anything, and of what kinks there"
-    )]
-    Output(String),
-    /// An output that is the input itself.
-    #[error(
-        "the output `{output}` is, or may follow from, the force of the input `{input}` itself: leave out one of them"
-    )]
-    Through {
-        /// The output.
-        output: String,
-        /// The input.
-        input: String,
-    },
+    /// An output whose variation is not known.
+    #[error("the output `{}` has no row in linear equations: {}", .0.name, .0.why)]
+    Output(LeftOut),
     /// Dense matrices of this size are of no use.
     #[error("the tree of the scene has {0} degrees of freedom: its equations are dense, and made for {MOST} at most")]
     Large(usize),
@@ -171,8 +158,8 @@ pub fn linearize(
     }
     system.set_multipliers(&multipliers);
     let about = (&basis, &linear, &rows);
-    let told = tell(&mut system, (place, &a), about, (&motion, &multipliers), inputs, outputs)?;
-    let mut notes = Vec::new();
+    let told = told::tell(&mut system, (place, &a), about, (&motion, &multipliers), inputs, outputs)?;
+    let mut notes = told::notes(&told.left_out);
     let felt = kinks::kinks(&mut system, place, &a, &basis, &linear)?;
     if !felt.is_empty() {
         notes.push(format!(
@@ -191,7 +178,7 @@ pub fn linearize(
         inputs: inputs.iter().map(|input| signal(input.name().to_owned(), input.unit(model))).collect(),
         outputs: told.outputs,
         dependent: basis.dependent.iter().map(|at| basis::label(model, *at)).collect(),
-        left_out: told.left_out,
+        left_out: told.left_out.into_iter().map(|one| one.name).collect(),
         idle,
         notes,
     })
@@ -341,104 +328,6 @@ fn push(model: &Model, place: &Place, input: &Input) -> Vec<f64> {
         }
     }
     push
-}
-
-/// The rows of the outputs.
-struct Told {
-    c: Mat<f64>,
-    d: Mat<f64>,
-    outputs: Vec<Signal>,
-    left_out: Vec<String>,
-}
-
-/// The variations of all numbers of the outputs along each direction; `others` has those that the caller knows.
-fn vary(
-    system: &mut System,
-    outputs: &mut Outputs,
-    (place, a): (&Place, &[f64]),
-    directions: &[[Vec<f64>; 3]],
-    (stops, others): (&[f64], &[Vec<f64>]),
-) -> Result<Vec<Vec<f64>>, Fault> {
-    let mut at = system.at(place.time, &place.position, &place.velocity);
-    at.share_multipliers()?;
-    let energies = at.energies();
-    let mut residual = vec![0.0; a.len()];
-    let balanced = at.residual(a, &mut residual)?;
-    let mut reactions = Vec::new();
-    balanced.reactions(&mut reactions);
-    let (account, powers) = ([0.0; 2], Powers::default());
-    let given = Given { accelerations: a, reactions: &reactions, stops, contacts: &[], energies, account, powers };
-    outputs.evaluate(&balanced, &given)?;
-    let along = |(j, [position, velocity, acceleration]): (usize, &[Vec<f64>; 3])| {
-        let others = others.get(j).map_or(&[][..], |others| &others[..]);
-        let by = Varied { time: 0.0, position, velocity, acceleration, others };
-        outputs.vary(&balanced, &given, &by).to_vec()
-    };
-    Ok(directions.iter().enumerate().map(along).collect())
-}
-
-fn tell(
-    system: &mut System,
-    (place, a): (&Place, &[f64]),
-    (basis, linear, rows): (&Basis, &Linearization, &Mat<f64>),
-    (motion, multipliers): (&StateMatrices, &[f64]),
-    inputs: &[Input],
-    asked: Option<&[String]>,
-) -> Result<Told, LinearError> {
-    let model = &Arc::clone(system.model());
-    let (states, count) = (motion.a.ncols(), basis.columns.ncols());
-    let empty =
-        Told { c: Mat::zeros(0, states), d: Mat::zeros(0, inputs.len()), outputs: Vec::new(), left_out: Vec::new() };
-    let Some(mut outputs) = Outputs::new(model) else { return Ok(empty) };
-    let spread = |column: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        (0..a.len()).map(|i| (0..count).map(|k| basis.columns[(i, k)] * column(k)).sum()).collect()
-    };
-    let directions: Vec<[Vec<f64>; 3]> = (0..states + inputs.len())
-        .map(|j| {
-            let unit = |k: usize| f64::from(u8::from(k == j));
-            let acceleration = (0..a.len()).map(|i| motion.answers[(i, j)]).collect();
-            [spread(&|k| unit(k)), spread(&|k| unit(count + k)), acceleration]
-        })
-        .collect();
-    let mut all = vary(system, &mut outputs, (place, a), &directions, (&[], &[]))?;
-    if let Some(beside) = Beside::new(system, &mut outputs, (place, a), (basis, linear, rows), multipliers, &all)? {
-        let mut others = Vec::with_capacity(directions.len());
-        for (j, [position, velocity, acceleration]) in directions.iter().enumerate() {
-            let input = j.checked_sub(states).map(|input| &inputs[input]);
-            let along = Along { position, velocity, acceleration, input };
-            others.push(beside.vary(system, &mut outputs, &along, all[j].len())?);
-        }
-        system.set_multipliers(multipliers);
-        all = vary(system, &mut outputs, (place, a), &directions, (&beside.stopped_here(model), &others))?;
-    }
-    let mut told = Vec::new();
-    let mut left_out = Vec::new();
-    for output in &model.outputs {
-        let named = asked.map(|names| names.contains(&output.name));
-        if named == Some(false) {
-            continue;
-        }
-        if let Some(input) = inputs.iter().find(|input| input.is_told_by(model, output)) {
-            let (output, input) = (output.name.clone(), input.name().to_owned());
-            match named {
-                Some(_) => return Err(LinearError::Through { output, input }),
-                None => left_out.push(output),
-            }
-        } else if output.range().all(|row| all.iter().all(|column| column[row].is_finite())) {
-            told.extend(output.range().zip(output.labels()).zip(output.units.clone()));
-        } else if named.is_some() {
-            return Err(LinearError::Output(output.name.clone()));
-        } else {
-            left_out.push(output.name.clone());
-        }
-    }
-    let entry = |row: usize, column: usize| all[column][told[row].0.0];
-    Ok(Told {
-        c: Mat::from_fn(told.len(), states, entry),
-        d: Mat::from_fn(told.len(), inputs.len(), |i, j| entry(i, states + j)),
-        outputs: told.iter().map(|((_, name), unit)| Signal { name: name.clone(), unit: unit.clone() }).collect(),
-        left_out,
-    })
 }
 
 impl StateSpace {

@@ -18,11 +18,13 @@ mod energy;
 mod expression;
 mod force;
 mod orientation;
+mod place;
 mod point;
 mod question;
 mod reaction;
 mod section;
 
+pub use place::{AtStops, Looked};
 pub use question::{Given, Varied};
 
 use crate::constraint::LoopReaction;

@@ -1,5 +1,7 @@
 //! The linear equations about a place: against differences, against the damped modes, against equations by hand.
 
+mod energies;
+
 use crate::common::{Options, Random, build, random_scene};
 use crate::scenarios::file;
 use assert_cmd::Command;
@@ -167,7 +169,9 @@ fn equations_are_those_of_differences() {
     let (mut scenes, mut worst): (usize, f64) = (0, 0.0);
     for (seed, tied) in (0..25).map(|seed| (seed, false)).chain((0..40).map(|seed| (seed, true))) {
         // Rods may hold what a drive should move: no such scene is made.
-        let Ok((model, _)) = assemble(Model::build(&scene(seed, tied)).unwrap()) else { continue };
+        let Ok((model, _)) = assemble(Model::build(&energies::with_energies(scene(seed, tied))).unwrap()) else {
+            continue;
+        };
         let found = match linearize(&model, &start(&model), &[], None) {
             Ok(found) => found,
             Err(error) => panic!("{seed} {tied}: {error}"),
@@ -227,7 +231,7 @@ fn equations_are_those_of_differences() {
 fn inputs_are_felt_as_forces_are() {
     let mut checked = 0;
     for (seed, tied) in (0..20).flat_map(|seed| [(seed, false), (seed, true)]) {
-        let mut description = scene(seed, tied);
+        let mut description = energies::with_energies(scene(seed, tied));
         let on = Attachment { body: "b1".into(), point: Point::Marker("tip".into()) };
         let zero = nalgebra::Vector3::zeros();
         let axes = if seed % 2 == 0 { LoadAxes::Inertial } else { LoadAxes::Body };
@@ -244,6 +248,7 @@ fn inputs_are_felt_as_forces_are() {
         }
         assert_eq!(inputs.len(), 6 + velocities);
         let found = linearize(&model, &start(&model), &inputs, None).unwrap();
+        energies::inputs_do_work(&found, &format!("{seed} {tied}"));
         let count = found.a.nrows() / 2;
         let x = vec![0.0; 2 * count];
         let (a, y) = answer(&model, &found, &x);
@@ -262,7 +267,8 @@ fn inputs_are_felt_as_forces_are() {
                 );
                 assert_eq!(found.b[(i, j)], 0.0);
             }
-            for (i, signal) in found.outputs.iter().enumerate() {
+            let of_scene = |signal: &&stillpoint::linear::Signal| !energies::counts_as_work(&signal.name);
+            for (i, signal) in found.outputs.iter().enumerate().filter(|(_, signal)| of_scene(signal)) {
                 let row =
                     model.outputs.iter().flat_map(|one| one.labels()).position(|name| name == signal.name).unwrap();
                 let change = z[row] - y[row];
@@ -393,6 +399,10 @@ fn a_driven_base_is_felt_through_its_spring() {
         name = "spent"
         type = "power"
         of = "input"
+        [[output]]
+        name = "added"
+        type = "energy"
+        of = "input"
     "#;
     let scenario = stillpoint::scenario::parse("s.toml", text, &[]).unwrap();
     let model = build(&scenario.description);
@@ -402,18 +412,20 @@ fn a_driven_base_is_felt_through_its_spring() {
     assert_eq!(names, ["mass.distance", "shake.target", "d(mass.distance)/dt", "d(shake.target)/dt"]);
     assert_eq!(
         (found.dependent.as_slice(), found.left_out.as_slice()),
-        (&["base.distance".to_owned()][..], &["own", "both", "spent"].map(str::to_owned)[..])
+        (&["base.distance".to_owned()][..], &["own", "both", "added"].map(str::to_owned)[..])
     );
     let (k, c) = (50.0 / 2.0, 3.0 / 2.0);
     let a = [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [-k, k, -c, c], [0.0; 4]];
     let b = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.5], [1.0, 0.0]];
+    // At rest without any force no power is of first order.
     // The hinge of the mass passes on what the motor in it pushes with; that of the base the spring and the inertia, as the drive does.
     let passed = [-50.0, 50.0, -3.0, 3.0];
     let carried = [[0.0; 4]; 6];
     let c_rows =
-        [&[[50.0, -50.0, 3.0, -3.0], [0.0; 4]][..], &carried, &[[150.0, -150.0, 9.0, -9.0], passed, passed]].concat();
+        [&[[50.0, -50.0, 3.0, -3.0], [0.0; 4]][..], &carried, &[[150.0, -150.0, 9.0, -9.0], passed, passed, [0.0; 4]]]
+            .concat();
     let none = [0.0; 2];
-    let d = [&[none, [1.0, 0.0], [0.0, 1.0]][..], &[none; 6], &[[5.0, 0.0]; 2]].concat();
+    let d = [&[none, [1.0, 0.0], [0.0, 1.0]][..], &[none; 6], &[[5.0, 0.0]; 2], &[none]].concat();
     let near = |m: &Mat<f64>, rows: &[&[f64]]| {
         (0..m.nrows()).all(|i| (0..m.ncols()).all(|j| (m[(i, j)] - rows[i][j]).abs() < 1e-11))
     };
@@ -421,9 +433,9 @@ fn a_driven_base_is_felt_through_its_spring() {
     assert!(near(&found.b, &b.each_ref().map(|row| &row[..])), "{:?}", found.b);
     assert!(near(&found.c, &c_rows.iter().map(|row| &row[..]).collect::<Vec<_>>()), "{:?}", found.c);
     assert!(near(&found.d, &d.iter().map(|row| &row[..]).collect::<Vec<_>>()), "{:?}", found.d);
-    let asked = ["spent".to_owned()];
+    let asked = ["added".to_owned()];
     let error = linearize(&model, &start(&model), &[], Some(&asked)).expect_err("not known").to_string();
-    assert!(error.contains("`spent`"), "{error}");
+    assert!(error.contains("`added`"), "{error}");
     // The response to a swinging force, by the formula of the oscillator.
     let omega = 3.0;
     let response = found.response(omega)[(0, 1)];

@@ -194,6 +194,26 @@ impl Output {
     }
 }
 
+/// The output itself, or the first of those that it follows from through formulas, that `is` what is looked for.
+pub fn follows_from<'a>(outputs: &'a [Output], output: &'a Output, is: impl Fn(&Output) -> bool) -> Option<&'a Output> {
+    let mut seen = vec![false; outputs.len()];
+    let mut waiting = vec![output];
+    while let Some(output) = waiting.pop() {
+        if is(output) {
+            return Some(output);
+        }
+        let Quantity::Expression(expression) = &output.quantity else { continue };
+        for (other, seen) in outputs.iter().zip(&mut seen) {
+            // The first variable of a formula is the time.
+            if !*seen && other.range().any(|number| expression.formula.uses(number + 1)) {
+                *seen = true;
+                waiting.push(other);
+            }
+        }
+    }
+    None
+}
+
 /// What an output is, compiled.
 #[derive(Debug, Clone)]
 pub enum Quantity {

@@ -1,4 +1,4 @@
-//! How outputs vary that no chain rule here knows: what hinges, rows, stops and sections pass on, lengths of beams.
+//! How outputs vary that no chain rule here knows: what hinges, rows, stops and sections pass on, lengths of beams, energies and powers.
 //!
 //! Along a direction of the states and inputs the multipliers vary, too. With the residual's exact derivatives, λ of the rows and μ
 //! of what holds a coordinate:
@@ -7,15 +7,18 @@
 //! (1)  Gᵀ δλ + E δμ = M δq̈ + D δq̇ + K δq − F δu          by the dependent coordinates; the others prove it
 //! (2)  y(h) at q ⊕ h δq, q̇ + h δq̇, q̈ + h δq̈, u + h δu, λ + h δλ, μ + h δμ
 //! (3)  δy = dy/dh at h = 0                                by extrapolated differences (`crate::extrapolate`)
+//! (4)  δP = δu f·q̇                                        of an input that pushes with f: it has no potential, it does work
 //! ```
+//!
+//! Energies and powers of what moves freely do not depend on how rows share a load; they are known where the rest is not.
 
 use super::{Basis, Input, Mat, Place, kinks, push};
-use crate::dynamics::{Fault, Linearization, Powers, System};
+use crate::dynamics::{Fault, Linearization, System};
 use crate::extrapolate::derivative;
 use crate::force::Law;
-use crate::model::output::{ForceQuantity, Source};
-use crate::model::{Model, Quantity};
-use crate::output::{Given, Outputs};
+use crate::model::output::{EnergyKind, ForceQuantity, PowerKind, Source};
+use crate::model::{Model, Output, Quantity, StopLaw};
+use crate::output::{AtStops, Outputs};
 use crate::round_off::LOAD;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::Vector3;
@@ -63,13 +66,22 @@ pub(super) struct Beside<'a> {
     force: f64,
 }
 
-/// Whether an output is one of those, taken by themselves. Contacts are none of the equations; whether an input has a potential is
-/// not known.
-fn is_passed(quantity: &Quantity) -> bool {
+/// Whether an output is one of those, taken by themselves. Contacts and ledgers are none of the equations.
+fn is_sought(quantity: &Quantity) -> bool {
     match quantity {
         Quantity::Force(ForceQuantity { source, .. }) => !matches!(source, Source::Contact(_)),
-        Quantity::Reaction(_) | Quantity::Section(_) | Quantity::Length(_) => true,
+        Quantity::Energy(kind) => matches!(kind, EnergyKind::Kinetic | EnergyKind::Potential),
+        Quantity::Reaction(_) | Quantity::Section(_) | Quantity::Length(_) | Quantity::Power(_) => true,
         _ => false,
+    }
+}
+
+/// Whether an output depends on which row bears how much.
+pub(super) fn is_shared(model: &Model, quantity: &Quantity) -> bool {
+    match quantity {
+        Quantity::Energy(_) | Quantity::Length(_) | Quantity::Power(PowerKind::Dissipated) => false,
+        Quantity::Power(PowerKind::Input) => !model.drives.is_empty(),
+        _ => true,
     }
 }
 
@@ -94,15 +106,19 @@ impl<'a> Beside<'a> {
         all: &[Vec<f64>],
     ) -> Result<Option<Self>, Fault> {
         let model = Arc::clone(system.model());
-        let passed = model.outputs.iter().filter(|output| is_passed(&output.quantity));
-        let unknown = |number: &usize| all.iter().any(|column| !column[*number].is_finite());
-        let numbers: Vec<usize> = passed.flat_map(crate::model::Output::range).filter(unknown).collect();
         let count = rows.nrows() + place.held.len();
         // Of what is tied more than once shares are not unique.
-        if numbers.is_empty() || basis.dependent.len() < count {
+        let are_unique = basis.dependent.len() >= count;
+        let sought = model
+            .outputs
+            .iter()
+            .filter(|output| is_sought(&output.quantity) && (are_unique || !is_shared(&model, &output.quantity)));
+        let unknown = |number: &usize| all.iter().any(|column| !column[*number].is_finite());
+        let numbers: Vec<usize> = sought.flat_map(Output::range).filter(unknown).collect();
+        if numbers.is_empty() {
             return Ok(None);
         }
-        let tied = (count > 0).then(|| {
+        let tied = (count > 0 && are_unique).then(|| {
             let entry = |i: usize, j: usize| match j.checked_sub(rows.nrows()) {
                 None => rows[(j, basis.dependent[i])],
                 Some(held) => f64::from(u8::from(place.held[held] == basis.dependent[i])),
@@ -117,7 +133,7 @@ impl<'a> Beside<'a> {
         place.held.iter().for_each(|i| held[*i] = residual[*i]);
         let levers = levers(&model);
         let force = terms.iter().zip(&levers).map(|(term, lever)| term / lever).fold(0.0, f64::max);
-        let force = if force > 0.0 { force } else { 1.0 };
+        let force = if force > 0.0 { force } else { inertial(&model, linear) };
         let mut beside = Self {
             place,
             accelerations,
@@ -155,7 +171,9 @@ impl<'a> Beside<'a> {
     ) -> Result<Vec<f64>, Fault> {
         let model = Arc::clone(system.model());
         let mut all = vec![f64::NAN; count];
-        let Some(shares) = self.shares(&model, along) else { return Ok(all) };
+        let shares = self.shares(&model, along);
+        let are_balanced = shares.is_some();
+        let shares = shares.unwrap_or_else(|| Shares::none(self));
         let unit = self.unit(&model, along);
         let sizes: Vec<f64> = self.sizes.iter().map(|size| SMALL * size / unit).collect();
         let noise: Vec<f64> = self.sizes.iter().map(|size| LOAD.of(*size)).collect();
@@ -177,7 +195,27 @@ impl<'a> Beside<'a> {
             }
             all[*number] = if x.abs() <= zero.max(error) { 0.0 } else { x };
         }
+        let shared = |output: &&Output| !are_balanced && is_shared(&model, &output.quantity);
+        model.outputs.iter().filter(shared).for_each(|output| all[output.range()].fill(f64::NAN));
+        if let Some(input) = along.input {
+            self.work(&model, input, &mut all);
+        }
         Ok(all)
+    }
+
+    /// (4), and the energies and losses that do not vary with it.
+    fn work(&self, model: &Model, input: &Input, all: &mut [f64]) {
+        for output in &model.outputs {
+            match output.quantity {
+                Quantity::Energy(EnergyKind::Kinetic | EnergyKind::Potential)
+                | Quantity::Power(PowerKind::Dissipated) => all[output.first] = 0.0,
+                Quantity::Power(PowerKind::Input) => {
+                    let pushed = push(model, self.place, input);
+                    all[output.first] = pushed.iter().zip(&self.place.velocity).map(|(push, v)| push * v).sum();
+                }
+                _ => {}
+            }
+        }
     }
 
     /// (1); `None` if forces stay unbalanced.
@@ -234,44 +272,31 @@ impl<'a> Beside<'a> {
         let stops = self.stopped(&model, [&q, &v], moved(&self.held, &shares.held));
         system.set_multipliers(&moved(self.multipliers, &shares.multipliers));
         let before = self.load(system, along, h);
-        let told = (|| {
-            let mut at = system.at(self.place.time, &q, &v);
-            at.share_multipliers()?;
-            let energies = at.energies();
-            let (mut residual, mut reactions) = (vec![0.0; a.len()], Vec::new());
-            let balanced = at.residual(&a, &mut residual)?;
-            balanced.reactions(&mut reactions);
-            let (account, powers) = ([0.0; 2], Powers::default());
-            let given = Given {
-                accelerations: &a,
-                reactions: &reactions,
-                stops: &stops,
-                contacts: &[],
-                energies,
-                account,
-                powers,
-            };
-            outputs.evaluate(&balanced, &given).map(<[f64]>::to_vec)
-        })();
+        let told = outputs.look(system.at(self.place.time, &q, &v), &a, &stops, &[]);
         if let Some((element, law)) = before {
             system.set_force(element, law);
         }
-        let all = told?;
+        let all = told?.values;
         Ok(self.numbers.iter().map(|number| all[*number]).collect())
     }
 
-    /// What stops push each velocity coordinate with at a state (N or N m), those that hold with these forces.
-    fn stopped(&self, model: &Model, [q, v]: [&[f64]; 2], mut stops: Vec<f64>) -> Vec<f64> {
+    /// What stops do at a state, those that hold with these forces (N or N m).
+    fn stopped(&self, model: &Model, [q, v]: [&[f64]; 2], held: Vec<f64>) -> AtStops {
+        let mut all = AtStops { pushes: held, ..AtStops::default() };
         for stop in self.place.pressed.iter().map(|index| &model.stops[*index]) {
             if let Some(side) = stop.reached(self.place.position[stop.position], 0.0) {
-                stops[stop.velocity] -= side.sign() * stop.push(side, q, v);
+                all.pushes[stop.velocity] -= side.sign() * stop.push(side, q, v);
+                all.stored += stop.potential(side, q);
+            }
+            if let StopLaw::Compliant { damping, .. } = stop.law {
+                all.dissipated += damping * v[stop.velocity].powi(2);
             }
         }
-        stops
+        all
     }
 
-    /// What stops push with at the place.
-    pub(super) fn stopped_here(&self, model: &Model) -> Vec<f64> {
+    /// What stops do at the place.
+    pub(super) fn stopped_here(&self, model: &Model) -> AtStops {
         self.stopped(model, [&self.place.position, &self.place.velocity], self.held.clone())
     }
 
@@ -317,11 +342,20 @@ fn levers(model: &Model) -> Vec<f64> {
     levers
 }
 
+/// A force (N) of a scene in which none acts: the largest that moves a coordinate by a radian, or by the scene's length, in its time.
+fn inertial(model: &Model, linear: &Linearization) -> f64 {
+    let (length, time) = (model.length_scale(), model.time_scale());
+    let force = |(i, lever): (usize, &f64)| linear.mass[(i, i)] * (length / lever).powi(2) / (length * time * time);
+    let largest = levers(model).iter().enumerate().map(force).fold(0.0, f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
+}
+
 /// What is usual of a number with a unit; 0 where nothing is known of it.
 fn usual(model: &Model, unit: &str, force: f64) -> f64 {
     match unit {
         "N" => force,
-        "N m" => force * model.length_scale(),
+        "N m" | "J" => force * model.length_scale(),
+        "W" => force * model.length_scale() / model.time_scale(),
         "m" => model.length_scale(),
         _ => 0.0,
     }
