@@ -184,6 +184,18 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
     parse_owned(name, text.to_owned(), overrides)
 }
 
+/// Problems of a scene that was read with these changes, at their places: for those who ask of it what its model does not.
+pub fn locate(scenario: &Scenario, overrides: &[Override], problems: Vec<Problem>) -> Diagnostics {
+    let changes = overrides.iter().collect::<Vec<_>>();
+    let (_, mut located) = document(&scenario.name, &scenario.text, &changes, |document, _, _, findings| {
+        let (_, spans) = checked(document, folder(&scenario.name), findings);
+        spans::report(&spans, problems, findings);
+    });
+    // Warnings were told when it was read.
+    located.retain(|one| one.severity == Severity::Error);
+    Diagnostics::new(&scenario.name, located)
+}
+
 /// The model of a description; else what is wrong with it, and what keeps its loops from closing.
 fn build(description: &Description, has_others: bool) -> Result<Built, Vec<Problem>> {
     let model = if has_others { Model::build_loosely(description) } else { Model::build(description) }?;

@@ -7,11 +7,12 @@ use super::column::{Cell, Column, Kind};
 use crate::dynamics::System;
 use crate::force::Act;
 use crate::model::description::StageDescription;
-use crate::model::output::Output;
-use crate::model::{Model, Side};
+use crate::model::output::{Output, Source};
+use crate::model::{Element, Model, Problem, Quantity, Side};
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
 use crate::statics::{Equilibrium, Stability, most_modes, standing};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// What is asked of a case.
@@ -55,6 +56,87 @@ pub fn cells(scenario: &Scenario, answer: &Answer, question: &Question) -> Vec<C
     let mut cells = Vec::new();
     Listing { answer: Some(answer), take: &mut |_, cell| cells.push(cell) }.all(scenario, &answer.model, question);
     cells
+}
+
+/// What is wrong with the names of outputs: they are those of other columns, in a table that has these `beside` the answers.
+pub fn clashes(scenario: &Scenario, model: &Model, question: &Question, beside: &[Column]) -> Vec<Problem> {
+    let own = output_columns(model, question).count();
+    let answers = columns(scenario, model, question);
+    let others = &answers[..answers.len() - own];
+    let taken: HashSet<&str> = beside.iter().chain(others).map(|column| column.name.as_str()).collect();
+    let mut problems: Vec<Problem> = Vec::new();
+    for one in output_columns(model, question).filter(|one| taken.contains(one.name.as_str())) {
+        let (element, name) = (Element::Output(one.output), &model.outputs[one.output].name);
+        if problems.last().is_some_and(|last| last.element == element) {
+            continue;
+        }
+        problems.push(Problem {
+            element,
+            field: "name".to_owned(),
+            message: format!("an output cannot be called `{name}` in a sweep, whose table has a column `{}` of something else", one.name),
+            help: Some(
+                "give it another name: that is one of a coordinate, a force, what is varied, or of every case".to_owned(),
+            ),
+        });
+    }
+    problems
+}
+
+/// A column of an output.
+struct OutputColumn<'a> {
+    /// The output, by its index.
+    output: usize,
+    /// Its place in [`Answer::outputs`].
+    place: usize,
+    name: String,
+    unit: &'a str,
+}
+
+/// The columns of the outputs of a scene: at the equilibrium, or over the run. What is called like the column that it has anyway has no
+/// second one.
+fn output_columns<'a>(model: &'a Model, question: &Question) -> impl Iterator<Item = OutputColumn<'a>> {
+    let run = question.run;
+    let parts: &[&str] = if run { &[".end", ".min", ".max", ".rms"] } else { &[""] };
+    let numbers = model.outputs.iter().enumerate().flat_map(|(output, one)| {
+        let each = one.labels().zip(&one.units).enumerate();
+        each.map(move |(index, (label, unit))| (output, index, label, unit.as_str()))
+    });
+    let columns = numbers.enumerate().flat_map(move |(number, (output, index, label, unit))| {
+        let is_there = !run && column_of(model, &model.outputs[output].quantity, index).as_ref() == Some(&label);
+        let parts = if is_there { &[] } else { parts };
+        let one = move |(part, end): (usize, &&str)| OutputColumn {
+            output,
+            place: number * parts.len() + part,
+            name: format!("{label}{end}"),
+            unit,
+        };
+        parts.iter().enumerate().map(one).collect::<Vec<_>>()
+    });
+    columns
+}
+
+/// The column that a number of a quantity has in answers of statics, whether or not there is an output of it.
+fn column_of(model: &Model, quantity: &Quantity, index: usize) -> Option<String> {
+    match quantity {
+        Quantity::Coordinate(coordinate) => {
+            let position = coordinate.range.start + index;
+            model.bodies.iter().find_map(|body| {
+                let names = body.hinge.kind.positions();
+                let (name, _) = names.get(position.checked_sub(body.hinge.position)?)?;
+                Some(format!("{}.{name}", body.name))
+            })
+        }
+        Quantity::Force(force) => match force.source {
+            Source::Drive(drive) => Some(format!("drives.{}", model.drives[drive].name)),
+            Source::Motor(motor) => Some(format!("motors.{}", model.motors[motor].name)),
+            Source::Line(line) => {
+                let force = &model.forces[line];
+                force.law.pull_name().map(|_| format!("pulls.{}", force.name))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// Columns and what stands in them, for an answer whose scene has other columns than those before.
@@ -104,15 +186,11 @@ impl<'a> Listing<'a, '_> {
         self.outputs(model, question);
     }
 
-    /// The outputs of the scene: at the equilibrium, or over the run.
     fn outputs(&mut self, model: &Model, question: &Question) {
         let values = self.answer.map_or(&[][..], |answer| &answer.outputs);
-        let units = model.outputs.iter().flat_map(|output| output.labels().zip(&output.units));
-        let parts: &[&str] = if question.run { &[".end", ".min", ".max", ".rms"] } else { &[""] };
-        let names = units.flat_map(|(label, unit)| parts.iter().map(move |part| (format!("{label}{part}"), unit)));
-        for (index, (name, unit)) in names.enumerate() {
-            let cell = values.get(index).copied().into();
-            (self.take)(&|| Column::new(name.clone(), Kind::Number, unit.clone()), cell);
+        for OutputColumn { place, name, unit, .. } in output_columns(model, question) {
+            let cell = values.get(place).copied().into();
+            (self.take)(&|| Column::new(name.clone(), Kind::Number, unit.to_owned()), cell);
         }
     }
 

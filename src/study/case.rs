@@ -8,10 +8,11 @@ use crate::constraint;
 use crate::foreign;
 use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::scenario::{Diagnostics, Override, Scenario, parse};
+use crate::scenario::{Diagnostics, Override, Scenario, locate, parse};
 use crate::simulate::outputs::OutputRanges;
 use crate::simulate::{self, State, Summary};
 use crate::statics::{self, Equilibrium};
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -98,23 +99,25 @@ impl Cases {
             });
         }
         columns.extend([Column::new("ok", Kind::Flag, ""), Column::new("error", Kind::Word, "")]);
+        let last = Column::new("wall_seconds", Kind::Number, "s");
         let inputs = columns.len();
-        for scenario in &scenes {
+        let beside: Vec<Column> = columns.iter().chain([&last]).cloned().collect();
+        for (scenario, set) in &scenes {
             let Ok(model) = Model::build(&scenario.description) else { continue };
-            for column in answer::columns(scenario, &model, &cases.question) {
+            let clashes = answer::clashes(scenario, &model, &cases.question, &beside);
+            if !clashes.is_empty() {
+                return Err(Refusal::Problems(locate(scenario, set, clashes)));
+            }
+            let own = answer::columns(scenario, &model, &cases.question);
+            unique(&own)?;
+            for column in own {
                 if !columns[inputs..].iter().any(|other| other.name == column.name) {
                     columns.push(column);
                 }
             }
         }
-        columns.push(Column::new("wall_seconds", Kind::Number, "s"));
-        let mut names = std::collections::HashSet::new();
-        if let Some(twice) = columns.iter().find(|column| !names.insert(column.name.as_str())) {
-            return Err(Refusal::Plan(format!(
-                "two columns would be called `{}`: what is varied, what is unknown and what is answered need names of their own",
-                twice.name
-            )));
-        }
+        columns.push(last);
+        unique(&columns)?;
         cases.columns = columns;
         cases.direct = cases.directly();
         cases.together = cases.may_go_together();
@@ -155,24 +158,28 @@ impl Cases {
 
     /// The scenes whose columns a study can have: one, and one more for every value of an axis that is no plain number of
     /// the scene, such as the copies of a body.
-    fn scenes(&self) -> Result<Vec<Scenario>, Refusal> {
+    fn scenes(&self) -> Result<Vec<(Scenario, Vec<Override>)>, Refusal> {
         let mut first = None;
         let mut scenes = Vec::new();
-        let mut accept = |read: Result<Scenario, Diagnostics>| match read {
-            Ok(scenario) => scenes.push(scenario),
+        let read = |values: Vec<String>| {
+            let changes = self.changes(&values);
+            self.read_with(&changes).map(|scenario| (scenario, changes))
+        };
+        let mut accept = |values: Vec<String>| match read(values) {
+            Ok(scene) => scenes.push(scene),
             Err(problems) => first = first.take().or(Some(problems)),
         };
-        accept(self.read(&self.median(None)));
+        accept(self.median(None));
         for (index, axis) in self.plan.axes.iter().enumerate() {
             let plain = Parameter::find(&self.scenario.description, &axis.path).is_ok();
             for value in axis.values.iter().filter(|_| !plain) {
-                accept(self.read(&self.median(Some((index, value)))));
+                accept(self.median(Some((index, value))));
             }
         }
         // A plan whose first values make no scene may have others that do.
         if scenes.is_empty() {
             for (index, axis) in self.plan.axes.iter().enumerate() {
-                let other = axis.values.iter().find_map(|value| self.read(&self.median(Some((index, value)))).ok());
+                let other = axis.values.iter().find_map(|value| read(self.median(Some((index, value)))).ok());
                 scenes.extend(other);
             }
         }
@@ -192,14 +199,22 @@ impl Cases {
     }
 
     fn read(&self, values: &[String]) -> Result<Scenario, Diagnostics> {
+        self.read_with(&self.changes(values))
+    }
+
+    fn read_with(&self, changes: &[Override]) -> Result<Scenario, Diagnostics> {
+        parse(&self.scenario.name, &self.scenario.text, changes)
+    }
+
+    /// The changes that all cases have, and those of one with these values.
+    fn changes(&self, values: &[String]) -> Vec<Override> {
         let axes = self.plan.axes.len();
         let option = |index: usize| if index < axes { axis::OPTION } else { VARY };
         let named = self.plan.paths().zip(values).enumerate();
         // Neither path nor value is empty: both have been read before.
         let changes =
             named.filter_map(|(i, (path, value))| Override::of_option(option(i), &format!("{path}={value}")).ok());
-        let changes: Vec<Override> = self.set.iter().cloned().chain(changes).collect();
-        parse(&self.scenario.name, &self.scenario.text, &changes)
+        self.set.iter().cloned().chain(changes).collect()
     }
 
     /// The row of a case; `None` if `go_on` ended it.
@@ -388,6 +403,18 @@ impl Direct {
             numbers.iter().try_for_each(|one| one.set(&mut description, number)).ok()?;
         }
         Some(description)
+    }
+}
+
+/// Refuses columns of one name.
+fn unique(columns: &[Column]) -> Result<(), Refusal> {
+    let mut names = HashSet::new();
+    match columns.iter().find(|column| !names.insert(column.name.as_str())) {
+        Some(twice) => Err(Refusal::Plan(format!(
+            "two columns would be called `{}`: what is varied, what is unknown and what is answered need names of their own",
+            twice.name
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -271,3 +271,78 @@ fn a_table_names_its_columns_as_written_and_has_words_without_quotes() {
     assert_eq!(words, ["simulate.integrator", "rk4", "dopri5"]);
     assert!(answer.out.contains("simulate.integrator = rk4 "), "{}", answer.out);
 }
+
+/// An output that is called like the column that its number has anyway is that column; called like another one it is refused before any
+/// case, at its place. In runs the names of outputs have ends of their own.
+#[test]
+fn outputs_may_be_called_like_the_column_that_they_are() {
+    let scene = format!(
+        "{SCALE}[[body]]\nname = \"ball\"\nmass = 1.0\ninertia = [1, 1, 1]\n\
+         hinge = {{ type = \"spherical\", parent = \"pan\", stiffness = 5.0 }}\n\
+         [[motor]]\nname = \"push\"\ntype = \"input\"\nhinge = \"pan\"\nforce = 3.0\n\
+         [[force]]\nname = \"stay\"\ntype = \"rope\"\nthrough = [\"pan\", {{ body = \"ground\", at = [0, 0, 2] }}]\nstiffness = 50.0\nlength = 1.5\n\
+         [[body]]\nname = \"slide\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", parent = \"pan\", axis = [1, 0, 0] }}\n\
+         [[drive]]\nname = \"hold\"\nhinge = \"slide\"\ntype = \"hold\"\n"
+    );
+    let output =
+        |name: &str, kind: &str, of: &str| format!("[[output]]\nname = \"{name}\"\ntype = \"{kind}\"\nof = \"{of}\"\n");
+    let bench = Bench::new();
+    let sweep = |text: &str, more: &[&str]| {
+        bench.write("scale.toml", text);
+        bench.call(&[&["sweep", "scale.toml", "--over", "pan.mass=1,2"], more].concat())
+    };
+    let plain = sweep(&scene, &["--json"]).code(0).json();
+    let columns: Vec<String> = plain["cases"][0]["result"].as_object().expect("columns").keys().cloned().collect();
+    for (name, kind, of) in [
+        ("pan.distance", "coordinate", "pan"),
+        ("pan.distance", "coordinate", "pan.distance"),
+        ("motors.push", "force", "push"),
+        ("pulls.stay", "force", "stay"),
+        ("drives.hold", "force", "hold"),
+    ] {
+        assert!(columns.iter().any(|column| column == name), "{name}: {columns:?}");
+        // Beside other outputs, whose places among the numbers stay.
+        let text = format!(
+            "{scene}{}{}{}",
+            output("before", "orientation", "ball"),
+            output(name, kind, of),
+            output("after", "rate", "pan")
+        );
+        let told = sweep(&text, &["--json"]).code(0).json();
+        for case in 0..2 {
+            let row = &told["cases"][case]["result"];
+            assert_eq!(row[name], plain["cases"][case]["result"][name], "{name}");
+            assert!(row["before[0]"] == 1.0 && row["after"] == 0.0, "{row}");
+        }
+        sweep(&text, &["--out", "t.csv", "--quiet"]).code(0);
+        let table = std::fs::read_to_string(bench.path().join("t.csv")).expect("the table");
+        let head: Vec<&str> = table.lines().next().expect("a head").split(',').collect();
+        assert_eq!(head.iter().filter(|column| **column == name).count(), 1, "{head:?}");
+        assert!(table.lines().all(|line| line.split(',').count() == head.len()), "{table}");
+        let folder = format!("{name} {of}");
+        sweep(&text, &["--out", &folder, "--quiet"]).code(0);
+        #[cfg(feature = "parquet")]
+        for (case, row) in super::datasets::rows(&bench.path().join(&folder)).iter().enumerate() {
+            assert_eq!(row[name], told["cases"][case]["result"][name], "{name}");
+        }
+    }
+    let others = ["case", "ok", "error", "wall_seconds", "pan.mass", "stability", "iterations", "frequencies_hz[0]"];
+    for name in others.into_iter().chain(columns.iter().map(String::as_str)) {
+        let text = format!("{scene}{}", output(name, "energy", "potential"));
+        let line = text.lines().position(|line| *line == format!("name = \"{name}\"")).expect("a line") + 1;
+        for out in ["t.csv", "other"] {
+            let refused = sweep(&text, &["--out", out]).code(2);
+            for part in [&format!("scale.toml:{line}:"), &format!("cannot be called `{name}`"), "another name"] {
+                assert!(refused.err.contains(part), "{part}: {}", refused.err);
+            }
+            assert!(refused.err.contains("scale.toml: 1 error"), "{}", refused.err);
+        }
+        if columns.iter().any(|column| column == name) {
+            let ran = sweep(&format!("[simulate]\nduration = 0.01\nstart = \"given\"\n{text}"), &["--run", "--json"])
+                .code(0)
+                .json();
+            assert!(ran["cases"][0]["result"][format!("{name}.end")].is_number(), "{ran}");
+        }
+    }
+    assert!(!bench.path().join("other").exists());
+}
