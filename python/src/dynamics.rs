@@ -22,7 +22,13 @@ type Pair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 pub(crate) struct Dynamics {
     scene: Py<Scene>,
     model: Arc<Model>,
-    system: Mutex<System>,
+    solver: Mutex<Solver>,
+}
+
+/// The system, and room for one answer per velocity.
+struct Solver {
+    system: System,
+    answer: Vec<f64>,
 }
 
 /// Letters of a value that are shown.
@@ -45,10 +51,17 @@ pub(crate) fn shown(given: &Bound<'_, PyAny>) -> String {
     format!("{value} (type `{of_type}`)")
 }
 
+/// The numbers of an array of one dimension: the usual case, which asks numpy for nothing.
+fn plain(given: Numbers<'_, '_>) -> Option<Vec<f64>> {
+    let array = given.cast::<PyArray1<f64>>().ok()?;
+    // A view of every second number has to be gathered.
+    Some(array.to_vec().unwrap_or_else(|_| array.to_owned_array().to_vec()))
+}
+
 /// One list of numbers, whatever numpy takes for that.
 fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
-    if let Ok(array) = given.cast::<PyArray1<f64>>() {
-        return Ok(array.readonly().as_array().iter().copied().collect());
+    if let Some(numbers) = plain(given) {
+        return Ok(numbers);
     }
     // A cast would lose what is imaginary.
     if given.py().import("numpy")?.call_method1("iscomplexobj", (given,))?.is_truthy()? {
@@ -65,7 +78,11 @@ fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec
 
 /// The numbers of an argument: so many, and all of them finite.
 fn list(name: &str, given: Numbers<'_, '_>, count: usize) -> PyResult<Vec<f64>> {
-    let numbers = numbers(&format!("`{name}`"), given, &format!("a list of {count} numbers"))?;
+    // What errors say is written for them alone.
+    let numbers = match plain(given) {
+        Some(numbers) => numbers,
+        None => numbers(&format!("`{name}`"), given, &format!("a list of {count} numbers"))?,
+    };
     if numbers.len() != count {
         return Err(PyValueError::new_err(format!("`{name}` has {} numbers, the scene {count}", numbers.len())));
     }
@@ -113,11 +130,12 @@ fn place(at: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
 
 impl Dynamics {
     pub(crate) fn new(scene: Py<Scene>, model: &Arc<Model>) -> Self {
-        Self { scene, model: Arc::clone(model), system: Mutex::new(System::new(model)) }
+        let solver = Solver { system: System::new(model), answer: vec![0.0; model.velocity_count()] };
+        Self { scene, model: Arc::clone(model), solver: Mutex::new(solver) }
     }
 
-    fn system(&self) -> MutexGuard<'_, System> {
-        self.system.lock().unwrap_or_else(PoisonError::into_inner)
+    fn solver(&self) -> MutexGuard<'_, Solver> {
+        self.solver.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn positions(&self, q: Numbers<'_, '_>) -> PyResult<Vec<f64>> {
@@ -199,10 +217,9 @@ impl Dynamics {
         v: Numbers<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (q, v) = (&*self.positions(q)?, &*self.velocities_of("v", v)?);
-        let a = PyArray1::zeros(py, self.model.velocity_count(), false);
-        let mut out = a.readwrite();
-        self.system().at(0.0, q, v).accelerations(out.as_slice_mut()?).map_err(fault)?;
-        Ok(a)
+        let Solver { system, answer } = &mut *self.solver();
+        system.at(0.0, q, v).accelerations(answer).map_err(fault)?;
+        Ok(PyArray1::from_slice(py, answer))
     }
 
     /// The generalized forces that are needed beyond those of the scene for these accelerations. What loops, gears and drives push with
@@ -215,20 +232,18 @@ impl Dynamics {
         a: Numbers<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (q, v, a) = (&*self.positions(q)?, &*self.velocities_of("v", v)?, &*self.velocities_of("a", a)?);
-        let force = PyArray1::zeros(py, self.model.velocity_count(), false);
-        let mut out = force.readwrite();
-        let mut system = self.system();
+        let Solver { system, answer } = &mut *self.solver();
         let none = vec![0.0; system.constraint_rank()];
         system.set_multipliers(&none);
-        system.at(0.0, q, v).residual(a, out.as_slice_mut()?).map_err(fault)?;
-        Ok(force)
+        system.at(0.0, q, v).residual(a, answer).map_err(fault)?;
+        Ok(PyArray1::from_slice(py, answer))
     }
 
     /// M(q).
     fn mass<'py>(&self, py: Python<'py>, q: Numbers<'_, 'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let q = &*self.positions(q)?;
         let v = vec![0.0; self.model.velocity_count()];
-        let mut system = self.system();
+        let system = &mut self.solver().system;
         let linear = system.at(0.0, q, &v).linearize(&v).map_err(fault)?;
         Ok(matrix(py, &linear.mass))
     }
@@ -236,7 +251,7 @@ impl Dynamics {
     /// (∂q̈/∂q, ∂q̈/∂v) in velocity coordinates: of a ball's quaternion along a small turn about its own axes.
     fn derivatives<'py>(&self, py: Python<'py>, q: Numbers<'_, 'py>, v: Numbers<'_, 'py>) -> PyResult<Pair<'py>> {
         let (q, v) = (&*self.positions(q)?, &*self.velocities_of("v", v)?);
-        let (by_position, by_velocity) = self.system().at(0.0, q, v).acceleration_jacobians().map_err(fault)?;
+        let (by_position, by_velocity) = self.solver().system.at(0.0, q, v).acceleration_jacobians().map_err(fault)?;
         Ok((matrix(py, &by_position), matrix(py, &by_velocity)))
     }
 
@@ -255,7 +270,7 @@ impl Dynamics {
         let n = self.model.velocity_count();
         let mut columns = Mat::zeros(if angular { 6 } else { 3 }, n);
         let mut unit = vec![0.0; n];
-        let mut system = self.system();
+        let system = &mut self.solver().system;
         // The coordinates on the way to the ground: no other moves the point.
         let mut way = Vec::new();
         let mut on_way = link;
