@@ -73,9 +73,13 @@ pub fn clashes(scenario: &Scenario, model: &Model, question: &Question, beside: 
         problems.push(Problem {
             element,
             field: "name".to_owned(),
-            message: format!("an output cannot be called `{name}` in a sweep, whose table has a column `{}` of something else", one.name),
+            message: format!(
+                "an output cannot be called `{name}` in a sweep, whose table has a column `{}` of something else",
+                one.name
+            ),
             help: Some(
-                "give it another name: that is one of a coordinate, a force, what is varied, or of every case".to_owned(),
+                "give it another name: that is one of a coordinate, a force, what is varied, or of every case"
+                    .to_owned(),
             ),
         });
     }
