@@ -1,6 +1,8 @@
 //! Reading the columns of a dataset, part by part: nothing is kept.
 
 use super::dataset::MANIFEST;
+use super::sample::Sampling;
+use super::variance::Spread;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef};
@@ -19,6 +21,8 @@ pub struct Reader {
     pub cases: u64,
     /// What its plan varies.
     pub inputs: Vec<String>,
+    /// How evenly its plan spreads the inputs.
+    pub spread: Spread,
     /// Names and units of its columns of numbers, in order.
     pub numbers: Vec<(String, String)>,
 }
@@ -50,6 +54,10 @@ impl Reader {
             parts,
             cases: manifest["cases"].as_u64().unwrap_or_default(),
             inputs: texts(&manifest["inputs"]).iter().map(text).collect(),
+            spread: match manifest["sample"].as_str() {
+                Some(name) if name == Sampling::Sobol.name() => Spread::Even,
+                _ => Spread::Chance,
+            },
             numbers: columns.iter().filter(is_number).map(|one| (text(&one["name"]), text(&one["unit"]))).collect(),
         })
     }
