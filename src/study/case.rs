@@ -80,6 +80,8 @@ pub(super) enum Failure {
     Interrupted,
 }
 
+/// Cases, or values of a path, that are tried where the middle of a plan makes no scene.
+const TRIED: u64 = 16;
 /// Columns before those of the plan.
 const BEFORE: usize = 1;
 
@@ -87,7 +89,7 @@ impl Cases {
     /// The cases of a plan. `set` are changes that all of them have; `scenario` has been read with them.
     ///
     /// # Errors
-    /// If no case makes a scene, as with an address that is not there, or if two columns would have one name.
+    /// If an address is not there or no value fits there, or if two columns would have one name.
     pub fn new(scenario: Scenario, set: Vec<Override>, plan: Plan, question: Question) -> Result<Self, Refusal> {
         let mut cases = Self { scenario, set, plan, question, columns: Vec::new(), direct: None, together: false };
         let scenes = cases.scenes()?;
@@ -138,7 +140,14 @@ impl Cases {
         let mut found: Option<Direct> = None;
         for (last, u) in [(false, 0.5), (false, 0.1), (true, 0.9)] {
             let values = self.plan.probe(last, u);
-            let read = self.read(&written(&values)).ok()?;
+            let Ok(read) = self.read(&written(&values)) else {
+                // No scene when it is read: none when it is set, either.
+                let set = Direct { scenario: self.scenario.clone(), numbers: numbers.clone() };
+                match set.description(&values).is_some_and(|set| Model::build(&set).is_err()) {
+                    true => continue,
+                    false => return None,
+                }
+            };
             let direct = found.get_or_insert_with(|| Direct { scenario: read.clone(), numbers: numbers.clone() });
             let settings = |one: &Scenario| {
                 let settings = (one.simulate, one.statics, one.record, one.path.clone());
@@ -159,61 +168,102 @@ impl Cases {
     /// The scenes whose columns a study can have: one, and one more for every value of an axis that is no plain number of
     /// the scene, such as the copies of a body.
     fn scenes(&self) -> Result<Vec<(Scenario, Vec<Override>)>, Refusal> {
-        let mut first = None;
-        let mut scenes = Vec::new();
-        let read = |values: Vec<String>| {
-            let changes = self.changes(&values);
-            self.read_with(&changes).map(|scenario| (scenario, changes))
-        };
-        let mut accept = |values: Vec<String>| match read(values) {
-            Ok(scene) => scenes.push(scene),
-            Err(problems) => first = first.take().or(Some(problems)),
-        };
-        accept(self.median(None));
+        let (base, first) = self.base()?;
+        let mut scenes = vec![(first, self.changes(&base))];
         for (index, axis) in self.plan.axes.iter().enumerate() {
-            let plain = Parameter::find(&self.scenario.description, &axis.path).is_ok();
-            for value in axis.values.iter().filter(|_| !plain) {
-                accept(self.median(Some((index, value))));
+            if Parameter::find(&self.scenario.description, &axis.path).is_ok() {
+                continue;
+            }
+            for value in &axis.values {
+                let mut values = base.clone();
+                values[index] = Some(value.clone());
+                let scene = self.read_some(&values).ok();
+                scenes.extend(scene.map(|scene| (scene, self.changes(&values))));
             }
         }
-        // A plan whose first values make no scene may have others that do.
-        if scenes.is_empty() {
-            for (index, axis) in self.plan.axes.iter().enumerate() {
-                let other = axis.values.iter().find_map(|value| read(self.median(Some((index, value)))).ok());
-                scenes.extend(other);
+        Ok(scenes)
+    }
+
+    /// Values of the plan that make a scene, and the scene: the middle of the plan, else one of its cases, else the file as it is,
+    /// without any value. What must be there at the start are the addresses, and values that fit each by itself: cases that make
+    /// no scene are rows with their reason.
+    fn base(&self) -> Result<(Vec<Option<String>>, Scenario), Refusal> {
+        let problems = match self.read(&self.median()) {
+            Ok(scene) => return Ok((self.median().into_iter().map(Some).collect(), scene)),
+            Err(problems) => problems,
+        };
+        for case in spread(self.plan.cases()) {
+            let values = self.in_units(&self.plan.values(case));
+            if let Ok(scene) = self.read(&values) {
+                return Ok((values.into_iter().map(Some).collect(), scene));
             }
         }
-        match first.filter(|_| scenes.is_empty()) {
-            Some(problems) => Err(problems.into()),
-            None => Ok(scenes),
+        let paths = self.plan.axes.len() + self.plan.varied.len();
+        let none = vec![None; paths];
+        for index in 0..paths {
+            let alone = |value: String| {
+                let mut values = none.clone();
+                values[index] = Some(value);
+                self.read_some(&values)
+            };
+            let mut values = self.values_of(index);
+            // Refused whatever it is: the address, or its kind.
+            if !values.any(|value| alone(value).is_ok()) {
+                return Err(problems.into());
+            }
+        }
+        Ok((none, self.scenario.clone()))
+    }
+
+    /// Values that a path has in the plan: some of an axis, some of a distribution.
+    fn values_of(&self, index: usize) -> Box<dyn Iterator<Item = String> + '_> {
+        match index.checked_sub(self.plan.axes.len()) {
+            None => {
+                let values = &self.plan.axes[index].values;
+                Box::new(spread(values.len() as u64).map(|place| values[place as usize].clone()))
+            }
+            Some(varied) => {
+                let varied = &self.plan.varied[varied];
+                let parts = (1..=TRIED).map(|part| part as f64 / (TRIED + 1) as f64);
+                Box::new(parts.map(|u| varied.written(varied.distribution.quantile(u))))
+            }
         }
     }
 
-    /// The first value of every axis, or another one of one of them, and the median of every distribution, as written.
-    fn median(&self, other: Option<(usize, &str)>) -> Vec<String> {
-        let axes = self.plan.axes.iter().enumerate().map(|(index, axis)| match other {
-            Some((changed, value)) if changed == index => value.to_owned(),
-            _ => axis.values[0].clone(),
+    /// Values as they are written after `--set`, with the units of the distributions: that these fit is seen so.
+    fn in_units(&self, values: &[Value<'_>]) -> Vec<String> {
+        let varied = self.plan.axes.iter().map(|_| None).chain(self.plan.varied.iter().map(Some));
+        let each = values.iter().zip(varied).map(|(value, varied)| match (value, varied) {
+            (Value::Drawn(number), Some(varied)) => varied.written(*number),
+            (value, _) => written(std::slice::from_ref(value)).concat(),
         });
+        each.collect()
+    }
+
+    /// The first value of every axis, and the median of every distribution, as written.
+    fn median(&self) -> Vec<String> {
+        let axes = self.plan.axes.iter().map(|axis| axis.values[0].clone());
         axes.chain(self.plan.varied.iter().map(|one| one.median.clone())).collect()
     }
 
     fn read(&self, values: &[String]) -> Result<Scenario, Diagnostics> {
-        self.read_with(&self.changes(values))
+        self.read_some(&values.iter().cloned().map(Some).collect::<Vec<_>>())
     }
 
-    fn read_with(&self, changes: &[Override]) -> Result<Scenario, Diagnostics> {
-        parse(&self.scenario.name, &self.scenario.text, changes)
+    /// The scene in which some paths have these values, and the others what the file says.
+    fn read_some(&self, values: &[Option<String>]) -> Result<Scenario, Diagnostics> {
+        parse(&self.scenario.name, &self.scenario.text, &self.changes(values))
     }
 
-    /// The changes that all cases have, and those of one with these values.
-    fn changes(&self, values: &[String]) -> Vec<Override> {
+    /// The changes that all cases have, and these values of some paths.
+    fn changes(&self, values: &[Option<String>]) -> Vec<Override> {
         let axes = self.plan.axes.len();
         let option = |index: usize| if index < axes { axis::OPTION } else { VARY };
         let named = self.plan.paths().zip(values).enumerate();
         // Neither path nor value is empty: both have been read before.
-        let changes =
-            named.filter_map(|(i, (path, value))| Override::of_option(option(i), &format!("{path}={value}")).ok());
+        let changes = named.filter_map(|(i, (path, value))| {
+            Override::of_option(option(i), &format!("{path}={}", value.as_ref()?)).ok()
+        });
         self.set.iter().cloned().chain(changes).collect()
     }
 
@@ -416,6 +466,12 @@ fn unique(columns: &[Column]) -> Result<(), Refusal> {
         ))),
         None => Ok(()),
     }
+}
+
+/// Some places of so many, over all of them.
+fn spread(count: u64) -> impl Iterator<Item = u64> {
+    let tried = count.min(TRIED);
+    (0..tried).map(move |place| place * (count - 1) / (tried - 1).max(1))
 }
 
 /// Values as they are written after `--set`.

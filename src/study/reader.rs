@@ -71,7 +71,10 @@ impl Reader {
         for path in &self.parts {
             let failed = |error: &dyn std::fmt::Display| format!("`{}`: {error}", path.display());
             let file = File::open(path).map_err(|error| failed(&error))?;
-            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| failed(&error))?;
+            let damaged = |error: &dyn std::fmt::Display| {
+                format!("`{}` is damaged: {error}; delete it, and `sweep --resume` computes it again", path.display())
+            };
+            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(&error))?;
             let place = |name: &str| {
                 let fields = builder.schema().fields();
                 let place = fields.iter().position(|field| field.name() == name);
@@ -80,7 +83,7 @@ impl Reader {
             let places = ["ok"].iter().chain(columns).map(|name| place(name)).collect::<Result<Vec<_>, _>>()?;
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             for batch in builder.with_projection(mask).build().map_err(|error| failed(&error))? {
-                let batch = batch.map_err(|error| failed(&error))?;
+                let batch = batch.map_err(|error| damaged(&error))?;
                 let column = |name: &str| {
                     let found = batch.column_by_name(name);
                     found.cloned().ok_or_else(|| failed(&format!("there is no column `{name}`")))

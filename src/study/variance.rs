@@ -288,7 +288,8 @@ mod tests {
 
     /// Functions of four numbers from 0 to 1 with their exact indices: sums, a jump, waves, and products that act together.
     fn functions() -> Vec<(Function, [f64; 4])> {
-        let parts = [(4_f64.exp() - 1.0) / 4.0 - ((2_f64.exp() - 1.0) / 2.0).powi(2), 1.0 / 7.0 - 1.0 / 16.0, 0.21, 0.0];
+        let parts =
+            [(4_f64.exp() - 1.0) / 4.0 - ((2_f64.exp() - 1.0) / 2.0).powi(2), 1.0 / 7.0 - 1.0 / 16.0, 0.21, 0.0];
         let sum = parts.iter().sum::<f64>();
         // Means and second moments of the factors of the product.
         let factors = [(0.2, 1.0 / 12.0 + 0.04), (0.3, 1.0 / 12.0 + 0.09), (1.5, 1.0 / 12.0 + 2.25)];
@@ -315,11 +316,9 @@ mod tests {
     /// Whatever the plan, intervals hold the index nine times of ten and more, and what is found is wrong to neither side.
     #[test]
     fn intervals_hold_the_index_in_every_plan() {
-        for (sampling, spread) in [
-            (Sampling::Random, Spread::Chance),
-            (Sampling::Latin, Spread::Chance),
-            (Sampling::Sobol, Spread::Even),
-        ] {
+        for (sampling, spread) in
+            [(Sampling::Random, Spread::Chance), (Sampling::Latin, Spread::Chance), (Sampling::Sobol, Spread::Even)]
+        {
             for (count, seeds) in [(512, 40), (1024, 20), (4096, 10)] {
                 let plans: Vec<Sampler> = (0..seeds)
                     .map(|seed| Sampler::new((sampling, seed, count), 4, None).expect("few numbers"))
@@ -341,7 +340,8 @@ mod tests {
                             width[i] += confidence / seeds as f64;
                         }
                     }
-                    let what = format!("{} {count}, {which}: {held:?} of {seeds}, {error:?} ± {width:?}", sampling.name());
+                    let what =
+                        format!("{} {count}, {which}: {held:?} of {seeds}, {error:?} ± {width:?}", sampling.name());
                     // Three standard deviations of how often nine of ten happens.
                     let fewest = 0.9 * seeds as f64 - 3.0 * (0.09 * seeds as f64).sqrt();
                     assert!(held.iter().all(|held| f64::from(*held) >= fewest), "{what}");

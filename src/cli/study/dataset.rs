@@ -287,9 +287,7 @@ impl Study {
                 "  what matters most is `{input}`: {} % of the variance by itself; all inputs by themselves explain {} %, the \
                  rest is in how they act together; a line in all inputs explains {explained} %\n",
                 small(100.0 * alone.index),
-                small(
-                    100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| alone.index).sum::<f64>()
-                ),
+                small(100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| alone.index).sum::<f64>()),
             ),
             Some(_) => format!(
                 "  no input explains anything by itself: what matters is how they act together, or nothing that varies here; a \

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// The element whose numbers are not finite.
 pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> Result<String, Fault> {
-    let (_, largest) = place.residual();
+    let largest = place.most_unbalanced(|free| landscape.unit(free));
     if let (Some(taut), Some(largest)) = (landscape.taut(place)?, largest) {
         let worst = taut.worst.unwrap_or(largest);
         let names = taut.names.join(", ");

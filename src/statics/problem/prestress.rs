@@ -107,7 +107,7 @@ impl Landscape<'_> {
     }
 
     /// How far a free coordinate moves the scene per unit (m).
-    pub(super) fn unit(&self, free: usize) -> f64 {
+    pub(in crate::statics) fn unit(&self, free: usize) -> f64 {
         if self.slides[self.free[free]] { 1.0 } else { self.length }
     }
 
