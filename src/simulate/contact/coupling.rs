@@ -95,7 +95,7 @@ impl Coupling {
         self.pivots_among(component, &(0..component.rows.len()).collect::<Vec<_>>())
     }
 
-    /// Those among some of its rows.
+    /// Linearly independent rows among some of a component.
     pub(super) fn pivots_among(&self, component: &Component, among: &[usize]) -> Pivots {
         let (n, units, matrix) = (among.len(), self.units(component), &component.matrix);
         let entry = |i: usize, j: usize| matrix[(among[i], among[j])] * units[among[i]] * units[among[j]];
