@@ -4,6 +4,7 @@
 use super::Scene;
 #[cfg(feature = "record")]
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// One contact that bears.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +20,9 @@ pub struct ContactPush {
     /// Whether what touches slips there; else it sticks or rolls.
     pub slips: bool,
 }
+
+/// Times of samples (s), and what contacts push with then: one and the same list where nothing has changed.
+pub type ContactInstants = Vec<(f64, Arc<Vec<ContactPush>>)>;
 
 #[cfg(feature = "record")]
 impl ContactPush {

@@ -1,6 +1,6 @@
 //! Samples kept in memory, for tests and reports.
 
-use super::{ContactPush, Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
+use super::{ContactInstants, ContactPush, Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
 use std::sync::Arc;
 
 /// Keeps everything it is given.
@@ -13,7 +13,7 @@ pub struct Memory {
     /// In the order they came.
     pub events: Vec<Event>,
     /// Of scenes with contact: times of samples (s), and what contacts push with then, one and the same list where nothing has changed.
-    pub contacts: Vec<(f64, Arc<Vec<ContactPush>>)>,
+    pub contacts: ContactInstants,
     /// Once finished.
     pub outcome: Option<Outcome>,
 }

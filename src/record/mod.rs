@@ -47,7 +47,7 @@ mod tubes;
 #[cfg(feature = "record")]
 pub mod view;
 
-pub use contact::ContactPush;
+pub use contact::{ContactInstants, ContactPush};
 #[cfg(feature = "record")]
 pub use contact_table::ContactTable;
 pub use error::RecordError;

@@ -105,7 +105,7 @@ fn output_columns<'a>(model: &'a Model, question: &Question) -> impl Iterator<It
         let each = one.labels().zip(&one.units).enumerate();
         each.map(move |(index, (label, unit))| (output, index, label, unit.as_str()))
     });
-    let columns = numbers.enumerate().flat_map(move |(number, (output, index, label, unit))| {
+    numbers.enumerate().flat_map(move |(number, (output, index, label, unit))| {
         let is_there = !run && column_of(model, &model.outputs[output].quantity, index).as_ref() == Some(&label);
         let parts = if is_there { &[] } else { parts };
         let one = move |(part, end): (usize, &&str)| OutputColumn {
@@ -115,8 +115,7 @@ fn output_columns<'a>(model: &'a Model, question: &Question) -> impl Iterator<It
             unit,
         };
         parts.iter().enumerate().map(one).collect::<Vec<_>>()
-    });
-    columns
+    })
 }
 
 /// The column that a number of a quantity has in answers of statics, whether or not there is an output of it.

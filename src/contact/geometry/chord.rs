@@ -141,7 +141,7 @@ pub(super) fn about(
     if meeting.radii[edge] == 0.0 {
         return None;
     }
-    let Some(Rim { arm, tangent, .. }) = meeting.rims[rim] else { return None };
+    let Rim { arm, tangent, .. } = meeting.rims[rim]?;
     let (u, w, slip) = (meeting.edges[edge], meeting.cores[edge] - meeting.cores[rim], bodies[edge] - bodies[rim]);
     let along = tangent.dot(&u);
     let by_edge = slip.dot(&u) + w.dot(&spins[edge].cross(&u));

@@ -122,7 +122,7 @@ impl Guide {
     /// everywhere, and beyond the ends.
     pub fn stretch(&self, s: f64, forward: bool) -> f64 {
         let [from, to] = self.range();
-        if !matches!(self.line, Line::Points(_) | Line::Formulas(_)) || !(s >= from && s <= to) {
+        if !(matches!(self.line, Line::Points(_) | Line::Formulas(_)) && s >= from && s <= to) {
             return f64::INFINITY;
         }
         let (last, k) = (self.knots.len() - 1, self.piece(s));

@@ -3,7 +3,7 @@
 
 use super::chunks::{Records, Stop};
 use super::{CONTACTS_TOPIC, HINGES_TOPIC};
-use crate::record::ContactPush;
+use crate::record::{ContactInstants, ContactPush};
 use mcap::records::Record;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -87,7 +87,7 @@ fn parsed(data: &[u8]) -> serde_json::Result<(f64, Vec<ContactPush>)> {
 }
 
 /// What holds at each sample of a file, with its time (s), to its last whole chunk where it was cut; nothing of a scene without contact.
-pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Arc<Vec<ContactPush>>)>, String> {
+pub(super) fn read(mut records: Records<impl Read>) -> Result<ContactInstants, String> {
     let (mut channel, mut samples, mut all) = (None, None, Vec::new());
     // Since when the last message holds (s), until a sample has had it.
     let (mut since, mut holds) = (None, Arc::default());

@@ -2,12 +2,11 @@
 
 use super::chunks::{Records, Stop};
 use super::*;
-use crate::record::{ContactPush, Event, RecordError, Scene, scene};
+use crate::record::{ContactInstants, Event, RecordError, Scene, scene};
 use mcap::records::Record;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// A recording on disk, finished or not.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,7 +121,7 @@ impl Recording {
     ///
     /// # Errors
     /// When the file cannot be read or its content is wrong.
-    pub fn contacts(&self) -> Result<Vec<(f64, Arc<Vec<ContactPush>>)>, RecordError> {
+    pub fn contacts(&self) -> Result<ContactInstants, RecordError> {
         let (source, bytes) = open(&self.path)?;
         contacts::read(Records::contents(source, bytes))
             .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })

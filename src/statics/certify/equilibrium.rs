@@ -157,10 +157,9 @@ pub(in crate::statics) fn certify(
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
     let model = &Arc::clone(landscape.model());
-    let free = landscape.free.clone();
+    let (free, steady, rest) = (landscape.free.clone(), landscape.steady.clone(), vec![0.0; model.velocity_count()]);
     let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
     let factorizations = landscape.factorizations + effort.factorizations;
-    let (steady, rest) = (landscape.steady.clone(), vec![0.0; model.velocity_count()]);
     let shared = landscape.shared(&place.q);
     notes.extend(closed::notes(&landscape, shared.as_ref()));
     let balanced = place.is_balanced();
@@ -176,8 +175,8 @@ pub(in crate::statics) fn certify(
         }
     };
     let system = landscape.system();
-    let rows = system.constraints();
-    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
+    let (carried, redundant) =
+        system.constraints().map(|rows| (rows.by_element(), rows.redundant())).unwrap_or_default();
     let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
     let mut at = system.at(0.0, &place.q, &steady);
     at.share_multipliers()?;
@@ -197,11 +196,11 @@ pub(in crate::statics) fn certify(
     let largest = largest(&place.force);
     let stability = stability.filter(|_| balanced);
     notes.extend(stability.as_ref().and_then(|stability| stability.flutter_note(model)));
-    let verdict = stability.as_ref().map(|s| s.verdict);
-    if verdict == Some(StabilityVerdict::Unstable) && settings.want == Want::Stable {
+    let is_unstable = stability.as_ref().is_some_and(|stability| stability.verdict == StabilityVerdict::Unstable);
+    if is_unstable && settings.want == Want::Stable {
         notes.push(ONLY_UNSTABLE.to_owned());
     }
-    let kind = settings.want == Want::Any || verdict != Some(StabilityVerdict::Unstable);
+    let kind = settings.want == Want::Any || !is_unstable;
     Ok(Equilibrium {
         converged: balanced && kind,
         balanced,
