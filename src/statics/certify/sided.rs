@@ -49,8 +49,7 @@ pub(in crate::statics) fn look(model: &Arc<Model>, q: &[f64], sided: &[Sided]) -
     let Some(rows) = Rows::of(&mut landscape, q, &all)? else { return Ok(Sides::Hold) };
     let sided: Vec<Sided> = rows.kept.iter().map(|index| sided[*index].clone()).collect();
     if landscape.conservative && landscape.steady.iter().all(|v| *v == 0.0) {
-        let found = fall(&mut landscape, &place, &rows, &sided)?;
-        return Ok(found.map_or(Sides::Hold, Sides::Leave));
+        return fall(&mut landscape, &place, &rows, &sided);
     }
     if landscape.free.len() > MOST_DENSE {
         return Ok(Sides::Unknown);
@@ -183,8 +182,8 @@ fn independent(gram: &Mat<f64>) -> Vec<usize> {
     basis
 }
 
-/// A motion that (4) says leaves: one that falls, or else one that stays as it is.
-fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Option<Leaving>, Fault> {
+/// What (4) says: a motion that leaves is one that falls, or else one that stays as it is.
+fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Sides, Fault> {
     landscape.look(&place.q)?;
     // Where nothing has any stiffness all sizes are as good.
     let sizes = match place.scales.stiffness.iter().all(|size| *size == 0.0) {
@@ -195,7 +194,7 @@ fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Side
     for slack in SLACKS {
         let Some(seen) = Seen::of(landscape, rows, &sizes, slack) else { continue };
         if let Some(v) = seen.violation(rows, sided, NEUTRAL) {
-            return Ok(Some(seen.leaving(landscape, rows, sided, &v, true)));
+            return Ok(Sides::Leave(seen.leaving(landscape, rows, sided, &v, true)));
         }
         all.push(seen);
     }
@@ -203,7 +202,9 @@ fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Side
         let v = seen.violation(rows, sided, -NEUTRAL)?;
         Some(seen.leaving(landscape, rows, sided, &v, false))
     };
-    Ok(all.iter().find_map(stays))
+    // Nothing is seen through a stiffness that is singular with both.
+    let otherwise = if all.is_empty() { Sides::Unknown } else { Sides::Hold };
+    Ok(all.iter().find_map(stays).map_or(otherwise, Sides::Leave))
 }
 
 /// (2) and (3).
