@@ -8,7 +8,7 @@ use stillpoint::cli::Memory;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The same allocator, counting for each thread what it has asked for: `bench` tells what a scene needs. No thread waits for another.
+/// An allocator that counts for each thread what it has asked for: `bench` tells what a scene needs. No thread waits for another.
 #[cfg(feature = "count-allocations")]
 #[expect(
     unsafe_code,

@@ -72,7 +72,7 @@ impl Additive {
     pub fn add(&mut self, row: &[f64]) {
         let (Some(y), seen) = (row.last().map(|y| y - self.mean), self.seen) else { return };
         self.seen += 1;
-        if !super::variance::mixed(seen).is_multiple_of(self.stride) {
+        if !mixed(seen).is_multiple_of(self.stride) {
             return;
         }
         self.evaluate(row);
@@ -138,6 +138,14 @@ fn places(knots: &[f64], x: f64) -> (f64, f64) {
     // Of halves: the range of doubles may be longer than the largest of them.
     let line = (0.5 * x - 0.5 * low) / (0.5 * high - 0.5 * low);
     (2.0 * line - 1.0, 2.0 * place - 1.0)
+}
+
+/// Bits that no order of the rows has to do with.
+pub(super) fn mixed(row: u64) -> u64 {
+    let mut bits = row.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ bits >> 31
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use super::answer::{self, Answer, Question};
 use super::axis;
 use super::column::{Cell, Column, Kind};
-use super::plan::{Plan, Value};
+use super::plan::{Plan, Value, texts};
 use crate::constraint;
 use crate::foreign;
 use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::scenario::{Diagnostics, Override, Scenario, locate, parse};
+use crate::scenario::{Diagnostics, Override, Scenario, locate};
 use crate::simulate::outputs::OutputRanges;
 use crate::simulate::{self, State, Summary};
 use crate::statics::{self, Equilibrium};
@@ -22,8 +22,8 @@ pub const VARY: &str = "--vary";
 /// All cases of a plan, and how each is answered.
 #[derive(Debug)]
 pub struct Cases {
-    scenario: Scenario,
-    set: Vec<Override>,
+    pub(super) scenario: Scenario,
+    pub(super) set: Vec<Override>,
     /// Which cases there are.
     pub plan: Plan,
     /// What is asked of each.
@@ -80,8 +80,6 @@ pub(super) enum Failure {
     Interrupted,
 }
 
-/// Cases, or values of a path, that are tried where the middle of a plan makes no scene.
-const TRIED: u64 = 16;
 /// Columns before those of the plan.
 const BEFORE: usize = 1;
 
@@ -140,7 +138,7 @@ impl Cases {
         let mut found: Option<Direct> = None;
         for (last, u) in [(false, 0.5), (false, 0.1), (true, 0.9)] {
             let values = self.plan.probe(last, u);
-            let Ok(read) = self.read(&written(&values)) else {
+            let Ok(read) = self.read(&texts(&values)) else {
                 // No scene when it is read: none when it is set, either.
                 let set = Direct { scenario: self.scenario.clone(), numbers: numbers.clone() };
                 match set.description(&values).is_some_and(|set| Model::build(&set).is_err()) {
@@ -163,108 +161,6 @@ impl Cases {
     /// The columns of every row, in order.
     pub fn columns(&self) -> &[Column] {
         &self.columns
-    }
-
-    /// The scenes whose columns a study can have: one, and one more for every value of an axis that is no plain number of
-    /// the scene, such as the copies of a body.
-    fn scenes(&self) -> Result<Vec<(Scenario, Vec<Override>)>, Refusal> {
-        let (base, first) = self.base()?;
-        let mut scenes = vec![(first, self.changes(&base))];
-        for (index, axis) in self.plan.axes.iter().enumerate() {
-            if Parameter::find(&self.scenario.description, &axis.path).is_ok() {
-                continue;
-            }
-            for value in &axis.values {
-                let mut values = base.clone();
-                values[index] = Some(value.clone());
-                let scene = self.read_some(&values).ok();
-                scenes.extend(scene.map(|scene| (scene, self.changes(&values))));
-            }
-        }
-        Ok(scenes)
-    }
-
-    /// Values of the plan that make a scene, and the scene: the middle of the plan, else one of its cases, else the file as it is,
-    /// without any value. What must be there at the start are the addresses, and values that fit each by itself: cases that make
-    /// no scene are rows with their reason.
-    fn base(&self) -> Result<(Vec<Option<String>>, Scenario), Refusal> {
-        let problems = match self.read(&self.median()) {
-            Ok(scene) => return Ok((self.median().into_iter().map(Some).collect(), scene)),
-            Err(problems) => problems,
-        };
-        for case in spread(self.plan.cases()) {
-            let values = self.in_units(&self.plan.values(case));
-            if let Ok(scene) = self.read(&values) {
-                return Ok((values.into_iter().map(Some).collect(), scene));
-            }
-        }
-        let paths = self.plan.axes.len() + self.plan.varied.len();
-        let none = vec![None; paths];
-        for index in 0..paths {
-            let alone = |value: String| {
-                let mut values = none.clone();
-                values[index] = Some(value);
-                self.read_some(&values)
-            };
-            let mut values = self.values_of(index);
-            // Refused whatever it is: the address, or its kind.
-            if !values.any(|value| alone(value).is_ok()) {
-                return Err(problems.into());
-            }
-        }
-        Ok((none, self.scenario.clone()))
-    }
-
-    /// Values that a path has in the plan: some of an axis, some of a distribution.
-    fn values_of(&self, index: usize) -> Box<dyn Iterator<Item = String> + '_> {
-        match index.checked_sub(self.plan.axes.len()) {
-            None => {
-                let values = &self.plan.axes[index].values;
-                Box::new(spread(values.len() as u64).map(|place| values[place as usize].clone()))
-            }
-            Some(varied) => {
-                let varied = &self.plan.varied[varied];
-                let parts = (1..=TRIED).map(|part| part as f64 / (TRIED + 1) as f64);
-                Box::new(parts.map(|u| varied.written(varied.distribution.quantile(u))))
-            }
-        }
-    }
-
-    /// Values as they are written after `--set`, with the units of the distributions: that these fit is seen so.
-    fn in_units(&self, values: &[Value<'_>]) -> Vec<String> {
-        let varied = self.plan.axes.iter().map(|_| None).chain(self.plan.varied.iter().map(Some));
-        let each = values.iter().zip(varied).map(|(value, varied)| match (value, varied) {
-            (Value::Drawn(number), Some(varied)) => varied.written(*number),
-            (value, _) => written(std::slice::from_ref(value)).concat(),
-        });
-        each.collect()
-    }
-
-    /// The first value of every axis, and the median of every distribution, as written.
-    fn median(&self) -> Vec<String> {
-        let axes = self.plan.axes.iter().map(|axis| axis.values[0].clone());
-        axes.chain(self.plan.varied.iter().map(|one| one.median.clone())).collect()
-    }
-
-    fn read(&self, values: &[String]) -> Result<Scenario, Diagnostics> {
-        self.read_some(&values.iter().cloned().map(Some).collect::<Vec<_>>())
-    }
-
-    /// The scene in which some paths have these values, and the others what the file says.
-    fn read_some(&self, values: &[Option<String>]) -> Result<Scenario, Diagnostics> {
-        parse(&self.scenario.name, &self.scenario.text, &self.changes(values))
-    }
-
-    /// The changes that all cases have, and these values of some paths.
-    fn changes(&self, values: &[Option<String>]) -> Vec<Override> {
-        let axes = self.plan.axes.len();
-        let option = |index: usize| if index < axes { axis::OPTION } else { VARY };
-        let named = self.plan.paths().zip(values).enumerate();
-        // Neither path nor value is empty: both have been read before.
-        let changes = named.filter_map(|(i, (path, value))| {
-            Override::of_option(option(i), &format!("{path}={}", value.as_ref()?)).ok()
-        });
-        self.set.iter().cloned().chain(changes).collect()
     }
 
     /// The row of a case; `None` if `go_on` ended it.
@@ -340,7 +236,7 @@ impl Cases {
             return self.answer(&direct.scenario, description, model, go_on);
         }
         // Also of numbers that make no scene: what is wrong with them is said by who reads them.
-        let scenario = self.read(&written(values)).map_err(|problems| no(first(&problems)))?;
+        let scenario = self.read(&texts(values)).map_err(|problems| no(first(&problems)))?;
         let description = scenario.description.clone();
         let model = Model::build(&description).map_err(|problems| no(listed(&problems)))?;
         self.answer(&scenario, description, model, go_on)
@@ -468,21 +364,6 @@ fn unique(columns: &[Column]) -> Result<(), Refusal> {
     }
 }
 
-/// Some places of so many, over all of them.
-fn spread(count: u64) -> impl Iterator<Item = u64> {
-    let tried = count.min(TRIED);
-    (0..tried).map(move |place| place * (count - 1) / (tried - 1).max(1))
-}
-
-/// Values as they are written after `--set`.
-fn written(values: &[Value<'_>]) -> Vec<String> {
-    let text = |value: &Value<'_>| match value {
-        Value::Written(text, _) => (*text).to_owned(),
-        Value::Drawn(number) => format!("{number:?}"),
-    };
-    values.iter().map(text).collect()
-}
-
 /// A case without any answer.
 pub(super) fn no(why: String) -> Failure {
     Failure::No(why, None)
@@ -502,6 +383,7 @@ mod tests {
     use super::super::axis::Axis;
     use super::super::plan::Draw;
     use super::*;
+    use crate::scenario::parse;
 
     const SCALE: &str = "[[body]]\nname = \"pan\"\nmass = 1.0\n\
         hinge = { type = \"prismatic\", axis = [0.0, 0.0, 1.0], stiffness = 100.0 }\n";

@@ -42,6 +42,7 @@ pub mod pool;
 #[cfg(feature = "parquet")]
 pub mod reader;
 pub mod sample;
+mod scenes;
 pub mod sobol;
 pub mod statistics;
 mod together;

@@ -170,6 +170,15 @@ impl Plan {
     }
 }
 
+/// Values as they are written after `--set`.
+pub(super) fn texts(values: &[Value<'_>]) -> Vec<String> {
+    let text = |value: &Value<'_>| match value {
+        Value::Written(text, _) => (*text).to_owned(),
+        Value::Drawn(number) => format!("{number:?}"),
+    };
+    values.iter().map(text).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

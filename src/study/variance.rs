@@ -23,7 +23,7 @@
 //! independent rows, and wider than what a more even plan needs. Of independent
 //! inputs the indices add to 1 at most; what is missing belongs to inputs that act together.
 
-use super::additive::Additive;
+use super::additive::{Additive, mixed};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Classes of an input at most: of a full wave across its range a millionth is missed.
@@ -187,14 +187,6 @@ fn between(classes: impl Iterator<Item = Sums>, others: f64) -> Option<(f64, f64
 /// The group of a row: as if drawn, so that no order of the plan is that of the groups (SplitMix64; Steele, Lea & Flood 2014).
 fn group(row: u64) -> usize {
     (mixed(row) % GROUPS as u64) as usize
-}
-
-/// Bits that no order of the rows has to do with.
-pub(super) fn mixed(row: u64) -> u64 {
-    let mut bits = row.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ bits >> 31
 }
 
 #[cfg(test)]

@@ -280,7 +280,7 @@ fn wrong_places_within_lists_are_answered() {
         ("force[1].between[1].at[3]", "its components are 0 to 2"),
         ("force[1].between[0].at[2]", "`between[0]` is not a table"),
         ("push.force[0][1]", "`force[0]` is not a list"),
-        ("force[1].curve[0][1]", "`curve` is not given"),
+        ("force[1].curve[0][1]", "unknown key `curve`"),
         ("force[1].betwen[1].at[0]", "did you mean `between`?"),
     ] {
         let error = read(SCENE, &[format!("{address}=1.0")]).expect_err(address);

@@ -18,8 +18,7 @@ impl Events {
         [from, until]: [f64; 2],
     ) -> Result<Option<(usize, Transition)>, RunError> {
         // Two instants are located, each with that error.
-        let late = until + 2.0 * Self::width(motion, [from, until]);
-        let last = late.min(stepper.time());
+        let last = (until + 2.0 * Self::width(motion, [from, until])).min(stepper.time());
         let mut found = None;
         for index in 0..self.watches.len() {
             let Function::User(event) = self.watches[index].function else { continue };
@@ -30,10 +29,9 @@ impl Events {
             let value = self.value(motion, Function::User(event), last);
             let watch = &mut self.watches[index];
             let (before, after) = (watch.towards(watch.last[0]), watch.towards(value));
-            // No step goes on beyond its end: there a value is crossed that is met but for rounding.
-            let level = if last < late { -watch.band } else { 0.0 };
+            // A value is crossed that is met but for rounding: no step goes on beyond its end, and widths may be less than a digit of the value.
             watch.found = value;
-            if after > level && after - before > watch.band {
+            if after > -watch.band && after - before > watch.band {
                 found = self.transition(motion, index).map(|stop| (index, stop));
             }
             if found.is_some() {
