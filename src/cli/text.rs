@@ -223,9 +223,6 @@ fn modes(out: &mut String, stability: &Stability) {
         .collect();
     let mut hertz = aligned(told.iter().filter(|mode| is_oscillation(mode)).map(|mode| mode.frequency_hz)).into_iter();
     let what = |mode: &&NaturalMode| match mode.growth_rate > 0.0 {
-        true if mode.frequency_hz > 0.0 => {
-            format!("grows {} per second at {} Hz", number(mode.growth_rate), number(mode.frequency_hz))
-        }
         true => format!("grows {} per second", number(mode.growth_rate)),
         false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
         false => format!("{} Hz", hertz.next().unwrap_or_default()),

@@ -287,13 +287,6 @@ impl Constraints {
         self.multipliers.iter().zip(&self.weights).map(|(x, weight)| (x / weight).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Marks rows solved for whose multipliers are not unique, as something beside the rows bears with them.
-    pub(crate) fn share_with_others(&mut self, shares: &[bool]) {
-        for (row, shares) in self.plan.rows().zip(shares) {
-            self.not_unique[row] |= *shares;
-        }
-    }
-
     /// Whether rows that are left out of the solution push, after [`Constraints::share`].
     pub(crate) fn is_shared(&self) -> bool {
         self.is_shared

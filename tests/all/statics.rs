@@ -17,7 +17,6 @@ mod modes;
 mod path;
 mod poles;
 mod ratios;
-mod shared;
 mod spinning;
 mod start;
 mod stiff_wires;

@@ -22,7 +22,6 @@ pub(in crate::statics) mod parts;
 pub(in crate::statics) mod place;
 mod prestress;
 mod row_space;
-pub(in crate::statics) mod shared;
 pub(in crate::statics) mod sizes;
 mod split;
 mod stiffness;
