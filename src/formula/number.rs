@@ -73,9 +73,9 @@ impl Jet {
     }
 }
 
-/// `slope · x`, zero for what does not change, as a slope may be infinite there, and along what changes nothing, as that may be infinite.
+/// `slope · x`, zero for what does not change: a slope may be infinite there.
 fn times(slope: f64, x: f64) -> f64 {
-    if slope == 0.0 || x == 0.0 { 0.0 } else { slope * x }
+    if x == 0.0 { 0.0 } else { slope * x }
 }
 
 impl Number for Jet {

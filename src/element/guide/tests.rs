@@ -104,7 +104,6 @@ fn what_is_not_smooth_is_refused() {
         (formulas("(u-0.1)^2", "(u-0.1)^3", [-1.0, 1.0]), "smooth near parameter 0.1"),
         (formulas("u", "sqrt(u)", [-1.0, 1.0]), "no tangent at parameter -1"),
         (formulas("cos(u)", "sin(u)", [0.0, std::f64::consts::TAU]), "closes on itself"),
-        (formulas("u", "if(u < 0.5, sqrt(u), 2)", [-1.0, 1.0]), "no tangent at parameter -1"),
         (formulas("u", "v", [0.0, 1.0]), "`v`"),
         (formulas("u", "u", [1.0, 1.0]), "to 1"),
         (GuideCurve::Helix { radius: 0.1, pitch: 0.0, turns: 1.5 }, "closes on itself"),

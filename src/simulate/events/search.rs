@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::simulate) enum Root {
     /// Interpolate, truncate and project (Oliveira and Takahashi, *ACM Trans. Math. Softw.* 47, 2021): of functions that are smooth it takes a
-    /// quarter of the calls of bisection, of no function more than one call beyond them.
+    /// quarter of the calls of bisection, of no function more than a few beyond them.
     Itp,
     /// The Illinois variant of regula falsi (Dowell and Jarratt, *BIT* 11, 1971).
     Illinois,
@@ -139,15 +139,15 @@ mod tests {
                     // The powers of small numbers vanish.
                     let reach = 1e-12 + if power > 1 { 1e-40_f64.powf(1.0 / f64::from(power)) } else { 0.0 };
                     assert!((found - at).abs() <= reach, "{root:?} {at} {power}: {found}");
-                    // Bisection takes 44.
-                    let most = if root == Root::Itp { 45 } else { 120 };
+                    // Bisection takes 44; half a width at either end takes some more.
+                    let most = if root == Root::Itp { 50 } else { 120 };
                     assert!(calls <= most, "{root:?} {at} {power}: {calls} calls");
                 }
             }
         }
     }
 
-    /// Of smooth functions it takes a fraction of the calls of bisection, of a jump no more than one beyond them.
+    /// Of smooth functions it takes a fraction of the calls of bisection, of a jump no more than a few beyond them.
     #[test]
     fn interpolation_pays_and_never_costs() {
         let bend = |t: f64| (1.0 + t).ln() - 0.3 + 0.1 * (7.0 * t).sin();
@@ -155,7 +155,7 @@ mod tests {
         let jump = |t: f64| if t > 0.123_456 { 1e9 } else { -1e-9 };
         // Zero before it has passed, as what has been at rest.
         let rest = |t: f64| (t - 0.01).max(0.0).powi(2);
-        for (function, most) in [(&bend as &dyn Fn(f64) -> f64, 10), (&drop, 10), (&jump, 45), (&rest, 45)] {
+        for (function, most) in [(&bend as &dyn Fn(f64) -> f64, 10), (&drop, 10), (&jump, 50), (&rest, 50)] {
             let end = (1..100).map(|k| f64::from(k) / 100.0).find(|t| function(*t) > 0.0).expect("a change");
             let mut calls = 0;
             let found = Root::Itp.locate([0.0, end], [function(0.0), function(end)], 1e-13, |t| {

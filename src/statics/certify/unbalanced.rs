@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// The element whose numbers are not finite.
 pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> Result<String, Fault> {
-    let largest = place.most_unbalanced(|free| landscape.unit(free));
+    let (_, largest) = place.residual();
     if let (Some(taut), Some(worst)) = (landscape.taut(place)?, largest) {
         let names = taut.names.join(", ");
         return Ok(format!(
