@@ -76,6 +76,8 @@ struct Watch {
     band: f64,
     /// Infinite for a function whose rate is not known or does not count.
     still: f64,
+    /// The lowest value since it has this sign, with zero before the event and more after it.
+    lowest: f64,
     /// Value and rate at the last look; 0 for a rate that is not known.
     last: [f64; 2],
     /// Value and rate at the next one.
@@ -98,6 +100,12 @@ impl Watch {
             // On the far side by rounding, or on the way back from there.
             false => -value.abs(),
         }
+    }
+
+    /// Goes on from the next look.
+    fn take_next(&mut self) {
+        self.last = self.next;
+        self.lowest = self.lowest.min(self.towards(self.last[0]));
     }
 
     /// Whether the sign has changed at the next look.
@@ -253,6 +261,7 @@ impl Events {
                     motion.level(boundary, is_speed, self.tolerance)
                 }
             };
+            let old = before.iter().find(|watch| watch.function == function);
             let positive = match function {
                 Function::Depth(_) | Function::End(_) => last[0] > band,
                 Function::Push(side) => motion.system.phase().pushes(side) || last[0] > band,
@@ -261,17 +270,16 @@ impl Events {
                 Function::Breakaway(_) => false,
                 Function::Contact(_) => last[0] > -band,
                 Function::Law(boundary) => motion.system.side(boundary),
-                Function::User(_) => {
-                    let old = before.iter().find(|watch| watch.function == function);
-                    old.map_or(last[0] > 0.0, |watch| watch.positive)
-                }
+                Function::User(_) => old.map_or(last[0] > 0.0, |watch| watch.positive),
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
                 // What rounding leaves of a curve's end is on the curve, however fast it goes there.
                 _ => f64::INFINITY,
             };
-            self.watches.push(Watch { function, positive, band, still, last, next: last, found: 0.0 });
+            let mut watch = Watch { function, positive, band, still, lowest: 0.0, last, next: last, found: 0.0 };
+            watch.lowest = watch.lowest_since(old);
+            self.watches.push(watch);
         }
     }
 
@@ -298,7 +306,7 @@ impl Events {
             if let Some(hit) = self.first(motion, stepper, [left, right])? {
                 return Ok(Some(hit));
             }
-            self.watches.iter_mut().for_each(|watch| watch.last = watch.next);
+            self.watches.iter_mut().for_each(Watch::take_next);
             left = right;
         }
         self.turn_along(motion, to);
@@ -497,7 +505,9 @@ impl Events {
             let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
             self.happened.push(Occurrence { time, kind, name, value, speed, between: None });
         }
-        self.watches[index].positive = !self.watches[index].positive;
+        let watch = &mut self.watches[index];
+        watch.positive = !watch.positive;
+        watch.lowest = watch.towards(watch.last[0]);
         Ok(())
     }
 

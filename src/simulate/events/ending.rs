@@ -28,10 +28,11 @@ impl Events {
             self.move_to(motion, stepper, last)?;
             let value = self.value(motion, Function::User(event), last);
             let watch = &mut self.watches[index];
-            let (before, after) = (watch.towards(watch.last[0]), watch.towards(value));
+            let after = watch.towards(value);
             // A value is crossed that is met but for rounding: no step goes on beyond its end, and widths may be less than a digit of the value.
+            // It may have been that near at the last look, too: a step ends where a curve does.
             watch.found = value;
-            if after > -watch.band && after - before > watch.band {
+            if after > -watch.band && after - watch.lowest > watch.band {
                 found = self.transition(motion, index).map(|stop| (index, stop));
             }
             if found.is_some() {
@@ -58,5 +59,14 @@ impl Events {
     /// How exactly a change of sign within an interval is located (s).
     pub(super) fn width(motion: &Equations, [left, right]: [f64; 2]) -> f64 {
         0.5 * EVENT_TIME.of(right.abs().max(right - left)).max(TIME * motion.model().time_scale())
+    }
+}
+
+impl Watch {
+    /// The lowest value, with that of the watch before it, if it is one of the same sign: how far an event of the model has come does not
+    /// depend on what else has happened since.
+    pub(super) fn lowest_since(&self, old: Option<&Watch>) -> f64 {
+        let was = old.filter(|old| matches!(self.function, Function::User(_)) && old.positive == self.positive);
+        was.map_or(f64::INFINITY, |old| old.lowest).min(self.towards(self.last[0]))
     }
 }
