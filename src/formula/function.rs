@@ -72,14 +72,16 @@ fn flag(condition: bool) -> f64 {
     if condition { 1.0 } else { 0.0 }
 }
 
-/// What is not a finite number is not a number at all: nothing that follows from it may look like one.
-fn finite(x: f64) -> f64 {
-    if x.is_finite() { x } else { f64::NAN }
+/// What is infinite at a pole is not a number at all: nothing that follows from it may look like one. What is only too large for a number
+/// goes on as infinite: `1/(1 + exp(x))` is zero there.
+fn but_at_pole(x: f64, is_pole: bool) -> f64 {
+    if x.is_infinite() && is_pole { f64::NAN } else { x }
 }
 
 impl Unary {
     pub(super) fn value(self, x: f64) -> f64 {
-        if x.is_nan() { x } else { finite(self.of_number(x)) }
+        let grows = matches!(self, Self::Exp | Self::Sinh | Self::Cosh);
+        if x.is_nan() { x } else { but_at_pole(self.of_number(x), x.is_finite() && !grows) }
     }
 
     /// Its value where infinite ones count.
@@ -166,7 +168,16 @@ impl Binary {
     pub(super) fn value(self, a: f64, b: f64) -> f64 {
         match self.takes_second(a, b) {
             Some(second) => pick(second, a, b),
-            None => finite(self.extended(a, b)),
+            None => but_at_pole(self.extended(a, b), self.has_pole(a, b)),
+        }
+    }
+
+    /// Whether nothing is a number near here.
+    fn has_pole(self, a: f64, b: f64) -> bool {
+        match self {
+            Self::Divide | Self::FloorDivide | Self::Remainder => b == 0.0,
+            Self::Power => a == 0.0,
+            _ => false,
         }
     }
 

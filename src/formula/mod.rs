@@ -115,12 +115,12 @@ impl Formula {
         self.used.get(variable).copied().unwrap_or(false)
     }
 
-    /// Its value; `variables` in the order in which they were named.
+    /// Its value, not a number where that is infinite; `variables` in the order in which they were named.
     ///
     /// # Panics
     /// If a variable that it uses is not given.
     pub fn value(&self, variables: &[f64]) -> f64 {
-        self.run(|index| variables[index])
+        finite(self.run(|index| variables[index]))
     }
 
     /// Its value; where it has none because something in it is infinite, that: a message can say so.
@@ -137,13 +137,14 @@ impl Formula {
     /// # Panics
     /// If a variable that it uses is not given.
     pub fn jet(&self, variables: &[Jet]) -> Jet {
-        self.run(|index| variables[index])
+        let jet = self.run(|index| variables[index]);
+        Jet { value: finite(jet.value), ..jet }
     }
 
     /// Its value and its first four derivatives with respect to its variable, if it has one alone; of several, along all at once.
     pub fn derivatives(&self, at: f64) -> [f64; 5] {
         let Series([value, first, second, third, fourth]) = self.run(|_| Series([at, 1.0, 0.0, 0.0, 0.0]));
-        [value, first, 2.0 * second, 6.0 * third, 24.0 * fourth]
+        [finite(value), first, 2.0 * second, 6.0 * third, 24.0 * fourth]
     }
 
     /// How it varies with its variables, given how these vary; variables that it does not use are not looked at.
@@ -163,7 +164,7 @@ impl Formula {
             value: variables[index],
             slopes: by.map(|variable| if variable == index { 1.0 } else { 0.0 }),
         });
-        (found.value, found.slopes)
+        (finite(found.value), found.slopes)
     }
 
     /// One pass over the steps, on as many registers as most formulas need, or as many as any may need.
@@ -192,6 +193,11 @@ impl Formula {
         }
         registers[0]
     }
+}
+
+/// What is not a finite number is not a number at all.
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::NAN }
 }
 
 /// The text with numbers in place of names; what is no formula stays as it is.

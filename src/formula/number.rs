@@ -71,6 +71,20 @@ impl Jet {
     pub fn constant(value: f64) -> Self {
         Self { value, first: 0.0, second: 0.0 }
     }
+
+    /// From `q b = a`: no power of `b`, which may be large, is taken.
+    fn quotient(a: Self, b: Self) -> Self {
+        let value = Binary::Divide.value(a.value, b.value);
+        let first = (a.first - times(b.first, value)) / b.value;
+        let second = (a.second - 2.0 * times(b.first, first) - times(b.second, value)) / b.value;
+        Self { value, first, second }
+    }
+}
+
+/// Whether a function has come to its limit: its arguments, or one of them, are too large for a number, its value is not. It has no slope there,
+/// as `1/(1 + exp(x))`.
+pub(super) fn is_at_limit(arguments: &[f64], value: f64) -> bool {
+    value.is_finite() && arguments.iter().any(|argument| argument.is_infinite())
 }
 
 /// `slope · x`, zero for what does not change: a slope may be infinite there.
@@ -89,7 +103,7 @@ impl Number for Jet {
 
     fn unary(self, function: Unary) -> Self {
         let value = function.value(self.value);
-        if self.first == 0.0 && self.second == 0.0 {
+        if self.first == 0.0 && self.second == 0.0 || is_at_limit(&[self.value], value) {
             return Self::constant(value);
         }
         let [slope, curvature] = function.derivatives(self.value, value);
@@ -97,7 +111,7 @@ impl Number for Jet {
         Self {
             value,
             first: times(slope, self.first),
-            second: times(curvature, self.first * self.first) + times(slope, self.second),
+            second: times(times(curvature, self.first), self.first) + times(slope, self.second),
         }
     }
 
@@ -105,15 +119,22 @@ impl Number for Jet {
         if let Some(second) = function.takes_second(a.value, b.value) {
             return if second { b } else { a };
         }
+        if function == Binary::Divide {
+            return Self::quotient(a, b);
+        }
         let at = function.surface(a.value, b.value);
+        if is_at_limit(&[a.value, b.value], at.value) {
+            return Self::constant(at.value);
+        }
         let ([by_a, by_b], [by_aa, by_ab, by_bb]) = (at.slopes, at.curvatures);
         // Equations 1 and 2 of two arguments.
         Self {
             value: at.value,
             first: times(by_a, a.first) + times(by_b, b.first),
-            second: times(by_aa, a.first * a.first)
-                + 2.0 * times(by_ab, a.first * b.first)
-                + times(by_bb, b.first * b.first)
+            // Squares of what is large may be too large.
+            second: times(times(by_aa, a.first), a.first)
+                + 2.0 * times(times(by_ab, a.first), b.first)
+                + times(times(by_bb, b.first), b.first)
                 + times(by_a, a.second)
                 + times(by_b, b.second),
         }
@@ -138,7 +159,7 @@ impl<const N: usize> Number for Gradient<N> {
 
     fn unary(self, function: Unary) -> Self {
         let value = function.value(self.value);
-        if self.slopes == [0.0; N] {
+        if self.slopes == [0.0; N] || is_at_limit(&[self.value], value) {
             return Self::constant(value);
         }
         let [slope, _] = function.derivatives(self.value, value);
@@ -149,7 +170,15 @@ impl<const N: usize> Number for Gradient<N> {
         if let Some(second) = function.takes_second(a.value, b.value) {
             return if second { b } else { a };
         }
+        if function == Binary::Divide {
+            let value = function.value(a.value, b.value);
+            let slopes = std::array::from_fn(|i| (a.slopes[i] - times(b.slopes[i], value)) / b.value);
+            return Self { value, slopes };
+        }
         let at = function.surface(a.value, b.value);
+        if is_at_limit(&[a.value, b.value], at.value) {
+            return Self::constant(at.value);
+        }
         let slopes = std::array::from_fn(|i| times(at.slopes[0], a.slopes[i]) + times(at.slopes[1], b.slopes[i]));
         Self { value: at.value, slopes }
     }

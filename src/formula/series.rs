@@ -5,7 +5,7 @@
 //! ```
 
 use super::function::{Binary, Unary};
-use super::number::Number;
+use super::number::{Number, is_at_limit};
 use std::f64::consts::{LN_2, LN_10};
 
 /// Coefficients of 1, x … x⁴.
@@ -142,7 +142,7 @@ impl Number for Series {
 
     fn unary(self, function: Unary) -> Self {
         let (x, value) = (self.0[0], function.value(self.0[0]));
-        if self.is_constant() {
+        if self.is_constant() || is_at_limit(&[x], value) {
             return Self::constant(value);
         }
         let [first, second, third, fourth] = derivatives(function, x, value);
@@ -154,6 +154,9 @@ impl Number for Series {
             return if second { b } else { a };
         }
         let value = function.value(a.0[0], b.0[0]);
+        if is_at_limit(&[a.0[0], b.0[0]], value) {
+            return Self::constant(value);
+        }
         let product = Self::product;
         let mut series = match function {
             Binary::Add => Self::sum(a, b),
@@ -192,7 +195,29 @@ impl Number for Series {
 
 #[cfg(test)]
 mod tests {
-    use crate::formula::Formula;
+    use crate::formula::{Formula, Jet};
+
+    /// What is divided by what is too large for a number is zero, and so are its derivatives: of a logistic function far from its middle.
+    #[test]
+    fn functions_of_what_overflows_are_at_their_limits() {
+        for text in [
+            "1/(1+exp((t-1)/1e-4))",
+            "0.3/(1+cosh(1e4*(t-5)))",
+            "2 - 3/(1+exp(5e3*(t-1)))^2",
+            "exp(-exp(1e3*t))",
+            "1 + tanh(sinh(1e3*t))",
+            "atan(exp(500*t))/4",
+            // Not the number itself overflows, but its square.
+            "1/(1+exp(150*t))",
+        ] {
+            let formula = Formula::parse(text, &["t"]).unwrap();
+            let (value, at) = (formula.value(&[3.0]), formula.derivatives(3.0));
+            assert!(value.is_finite() && at[0] == value, "{text}: {at:?}");
+            assert!(at[1..].iter().all(|derivative| derivative.abs() < 1e-180), "{text}: {at:?}");
+            let jet = formula.jet(&[Jet::variable(3.0)]);
+            assert!(jet.value == value && jet.first.abs() < 1e-180 && jet.second.abs() < 1e-180, "{text}: {jet:?}");
+        }
+    }
 
     /// Every function: each derivative is the difference quotient (of fourth order) of the one before it.
     #[test]

@@ -90,6 +90,19 @@ fn kinds_agree() {
     }
 }
 
+/// A step of a logistic function goes on level on both sides, where its exponential is too large for a number.
+#[test]
+fn steps_end_level() {
+    for (text, height) in [("0.1/(1+exp(-1e3*u))", 0.1), ("0.05*tanh(sinh(800*u))", 0.1)] {
+        let place = ["u".to_owned(), text.to_owned(), "0".to_owned()];
+        let curve = GuideCurve::Formulas { parameter: "u".to_owned(), place, range: [-1.0, 2.0] };
+        let guide = Guide::new(&curve, false).unwrap();
+        let [from, to] = guide.range().map(|end| guide.at(end));
+        assert!((to.place - from.place - Vector3::new(3.0, height, 0.0)).norm() < 1e-12, "{text}");
+        assert!((from.subspaces[0] - to.subspaces[0]).amax() < 1e-14, "{text}");
+    }
+}
+
 /// Kinks, cusps, places without a number, and curves without ends are refused.
 #[test]
 fn what_is_not_smooth_is_refused() {

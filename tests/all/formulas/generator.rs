@@ -126,18 +126,32 @@ impl Tree {
         if level < outer { format!("({text})") } else { text }
     }
 
+    /// What is infinite in the end is no value.
     pub(super) fn value(&self, at: &[f64; 3]) -> f64 {
+        let found = self.extended(at);
+        if found.is_finite() { found } else { f64::NAN }
+    }
+
+    /// What is too large for a number is infinite, what is so at a pole is none.
+    fn extended(&self, at: &[f64; 3]) -> f64 {
         match self {
             Self::Number(x) => *x,
             Self::Name(index) => at[*index],
-            Self::Minus(of) => -of.value(at),
-            Self::Not(of) => defined(&[of.value(at)], |x| flag(x[0] == 0.0)),
-            Self::Binary("and", a, b) => defined(&[a.value(at)], |a| if a[0] == 0.0 { a[0] } else { b.value(at) }),
-            Self::Binary("or", a, b) => defined(&[a.value(at)], |a| if a[0] == 0.0 { b.value(at) } else { a[0] }),
-            Self::Binary(sign, a, b) => defined(&[a.value(at), b.value(at)], |x| binary(sign, x[0], x[1])),
+            Self::Minus(of) => -of.extended(at),
+            Self::Not(of) => defined(&[of.extended(at)], |x| flag(x[0] == 0.0)),
+            Self::Binary("and", a, b) => {
+                defined(&[a.extended(at)], |a| if a[0] == 0.0 { a[0] } else { b.extended(at) })
+            }
+            Self::Binary("or", a, b) => defined(&[a.extended(at)], |a| if a[0] == 0.0 { b.extended(at) } else { a[0] }),
+            Self::Binary(sign, a, b) => {
+                let [a, b] = [a, b].map(|tree| tree.extended(at));
+                let is_pole = matches!(*sign, "/" | "//" | "%") && b == 0.0 || *sign == "^" && a == 0.0;
+                defined(&[a, b], |x| but_at_pole(binary(sign, x[0], x[1]), is_pole))
+            }
             Self::Chain(first, others) => {
-                let values: Vec<f64> =
-                    std::iter::once(first.value(at)).chain(others.iter().map(|(_, tree)| tree.value(at))).collect();
+                let values: Vec<f64> = std::iter::once(first.extended(at))
+                    .chain(others.iter().map(|(_, tree)| tree.extended(at)))
+                    .collect();
                 for (i, (sign, _)) in others.iter().enumerate() {
                     let holds = defined(&values[i..i + 2], |x| flag(compare(sign, x[0], x[1])));
                     if holds != 1.0 {
@@ -147,27 +161,36 @@ impl Tree {
                 1.0
             }
             Self::Call(name, list) => {
-                let list: Vec<f64> = list.iter().map(|tree| tree.value(at)).collect();
+                let list: Vec<f64> = list.iter().map(|tree| tree.extended(at)).collect();
                 defined(&list, |list| match *name {
                     "min" => list[1..].iter().fold(list[0], |a, b| if *b < a { *b } else { a }),
                     "max" => list[1..].iter().fold(list[0], |a, b| if *b > a { *b } else { a }),
                     "atan2" => list[0].atan2(list[1]),
                     "hypot" => list[0].hypot(list[1]),
-                    "log" => defined(&[list[0].ln(), list[1].ln()], |x| x[0] / x[1]),
-                    name => call(name, list[0]),
+                    "log" => {
+                        let [a, b] = [list[0], list[1]].map(|x| but_at_pole(x.ln(), x == 0.0));
+                        defined(&[a, b], |x| but_at_pole(x[0] / x[1], b == 0.0))
+                    }
+                    name => {
+                        let grows = matches!(name, "exp" | "sinh" | "cosh");
+                        but_at_pole(call(name, list[0]), list[0].is_finite() && !grows)
+                    }
                 })
             }
             Self::Choice(condition, yes, no) => {
-                defined(&[condition.value(at)], |x| if x[0] == 0.0 { no } else { yes }.value(at))
+                defined(&[condition.extended(at)], |x| if x[0] == 0.0 { no } else { yes }.extended(at))
             }
         }
     }
 }
 
-/// What follows from numbers: not a number if one of them is none, or where the result is not finite.
+/// What follows from numbers: none if one of them is none.
 fn defined(arguments: &[f64], of: impl FnOnce(&[f64]) -> f64) -> f64 {
-    let found = if arguments.iter().any(|x| !x.is_finite()) { f64::NAN } else { of(arguments) };
-    if found.is_finite() { found } else { f64::NAN }
+    if arguments.iter().any(|x| x.is_nan()) { f64::NAN } else { of(arguments) }
+}
+
+fn but_at_pole(x: f64, is_pole: bool) -> f64 {
+    if x.is_infinite() && is_pole { f64::NAN } else { x }
 }
 
 fn compare(sign: &str, a: f64, b: f64) -> bool {
