@@ -398,11 +398,20 @@ impl Sweep<'_> {
         Ok(if failed == 0 { Exit::Done } else { Exit::No })
     }
 
-    /// Prints shards or parts that are not done, as an array of tasks takes them.
+    /// Prints shards or parts that are not done, as an array of tasks takes them; of parts that are damaged, too, what to do.
     #[cfg(feature = "parquet")]
     fn missing(&self, dataset: &crate::study::dataset::Dataset) -> anyhow::Result<Exit> {
         dataset.is_there()?;
-        let parts = (0..dataset.parts()).filter(|part| !dataset.is_done(*part));
+        let mut parts = Vec::new();
+        for part in 0..dataset.parts() {
+            if !dataset.is_done(part) {
+                parts.push(part);
+            } else if let Err(damaged) = dataset.failed(part) {
+                output::warning(&damaged.to_string());
+                parts.push(part);
+            }
+        }
+        let parts = parts.into_iter();
         let missing: std::collections::BTreeSet<u64> = match self.arguments.dataset.shards {
             Some(shards) => parts.map(|part| part % shards).collect(),
             None => parts.collect(),

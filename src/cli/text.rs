@@ -16,6 +16,8 @@ use std::time::Duration;
 const MOST_LINES: usize = 8;
 /// Zero-stiffness motions among them.
 const MOST_IDLE: usize = 3;
+/// Loops of a group that share a load, named.
+const MOST_SHARED: usize = 4;
 /// A smaller part of critical damping is round-off.
 pub(super) const UNDAMPED: f64 = 1e-10;
 
@@ -170,10 +172,34 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
             count(*rows, "row", "rows")
         );
     }
+    if let Some(group) = not_unique(found) {
+        let _ = writeln!(out, "  not unique   {group}");
+    }
     for note in &found.notes {
         let _ = writeln!(out, "  note         {note}");
     }
     out.trim_end().to_owned()
+}
+
+/// The loops whose reactions are not unique, if these are more than those with redundant rows: which rows of a group are left
+/// out is a matter of their order.
+fn not_unique(found: &Equilibrium) -> Option<String> {
+    let shared: Vec<&str> = found
+        .loops
+        .iter()
+        .filter(|one| !one.unique)
+        .map(|one| one.name.as_str())
+        .filter(|name| !name.is_empty())
+        .collect();
+    if !found.balanced || shared.len() <= found.redundant.len() {
+        return None;
+    }
+    let named: Vec<String> = shared.iter().take(MOST_SHARED).map(|name| format!("`{name}`")).collect();
+    let more = match shared.len() - named.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!("what {} pass together: {}{more}", count(shared.len(), "loop", "loops"), named.join(", ")))
 }
 
 /// Directions that are not stable, and the modes.
@@ -197,6 +223,9 @@ fn modes(out: &mut String, stability: &Stability) {
         .collect();
     let mut hertz = aligned(told.iter().filter(|mode| is_oscillation(mode)).map(|mode| mode.frequency_hz)).into_iter();
     let what = |mode: &&NaturalMode| match mode.growth_rate > 0.0 {
+        true if mode.frequency_hz > 0.0 => {
+            format!("grows {} per second at {} Hz", number(mode.growth_rate), number(mode.frequency_hz))
+        }
         true => format!("grows {} per second", number(mode.growth_rate)),
         false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
         false => format!("{} Hz", hertz.next().unwrap_or_default()),

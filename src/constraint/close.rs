@@ -124,11 +124,6 @@ pub(super) enum Metric {
     Coordinates,
 }
 
-/// A loop over so many links is long.
-const LONG: usize = 32;
-/// `A` is wide if its factorization takes the operations of rows that each reach over so many others.
-const WIDE: usize = 64;
-
 /// A model's rows, and the tree they push on.
 pub(super) struct Closing {
     pub(super) rows: Constraints,
@@ -184,9 +179,7 @@ impl Closing {
 
     /// The metric for a short way back onto the rows.
     pub(super) fn nearby(&self) -> Metric {
-        let longest = self.rows.elements.iter().map(|element| element.branches.iter().map(Vec::len).sum::<usize>());
-        let is_long = longest.max().is_some_and(|longest| longest >= LONG);
-        match is_long || self.rows.plan.operations() > self.rows.rank() * WIDE * WIDE {
+        match self.rows.is_wide() {
             true => Metric::Coordinates,
             false => Metric::Inertia,
         }
@@ -270,8 +263,12 @@ impl Closing {
         self.motion.update(model, q, v);
         self.rows.place(model, &self.motion, q, true);
         self.reduction.prepare(model, &self.motion, &self.rest)?;
-        self.rows.factorize(model, &self.motion, &self.reduction, LEAST_DAMPING);
         let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).relative;
+        // At rest there is nothing to take away.
+        if left == 0.0 {
+            return Ok(left);
+        }
+        self.rows.factorize(model, &self.motion, &self.reduction, LEAST_DAMPING);
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
         for _ in 0..4 {
             self.push(model, Rate::Speed(v));

@@ -1,7 +1,8 @@
 //! What rows push on links and hinges; of redundant rows, the least that balances.
 
+use super::depend::{Dependence, Sparse};
 use super::row::{Ends, Rule};
-use super::{Constraints, Envelope, Owner, RowGroup};
+use super::{Constraints, Owner, RowGroup};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::motion::variation::LinkVariation;
@@ -139,7 +140,7 @@ impl Constraints {
     /// factorization.
     ///
     /// ```text
-    /// G_d = C G_i      the rows left out, by those solved for:   C = A_di A_ii⁻¹
+    /// G_d = C G_i      the rows left out, by those solved for: C of `depend`
     /// λ_i ← λ_i − Cᵀ z,   λ_d = z,   (1 + C Cᵀ) z = C λ_i
     /// ω = (−Cᵀ e, e)   self-stresses, Gᵀ ω = 0, one for each row left out
     /// ```
@@ -154,43 +155,48 @@ impl Constraints {
             all.keep(|_| true);
         }
         self.place(model, motion, q, false);
-        self.factorize(model, motion, reduction, 0.0);
         all.set_time(self.time);
         all.place(model, motion, q, true);
-        all.assemble(model, motion, reduction);
-        all.size_rows();
         let mut unknown = vec![0; self.rules.len()];
         all.plan.rows().enumerate().for_each(|(index, row)| unknown[row] = index);
         let solved: Vec<usize> = self.plan.rows().collect();
+        let unknowns: Vec<usize> = solved.iter().map(|row| unknown[*row]).collect();
+        let sparse = if self.is_wide() { Sparse::new(all, model, motion, &unknowns) } else { None };
+        if sparse.is_none() {
+            self.factorize(model, motion, reduction, 0.0);
+            all.assemble(model, motion, reduction);
+            all.size_rows();
+        }
         let mut left_out = vec![true; self.rules.len()];
         solved.iter().for_each(|row| left_out[*row] = false);
-        let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| left_out[*row]).collect();
+        let redundant: Vec<usize> = (0..self.rules.len()).filter(|row| left_out[*row]).collect();
         redundant.iter().for_each(|row| self.not_unique[*row] = true);
-        self.self_stresses.clear();
+        let dependence = match sparse {
+            Some(sparse) => Dependence::Coordinates(Box::new(sparse)),
+            None => Dependence::Inertia { kept: self, all },
+        };
+        let mut self_stresses = Vec::new();
         // By rows, in the units of the sum of squares.
-        let mut parts: Vec<Vec<f64>> = Vec::new();
-        redundant.retain(|row| {
-            let own = unknown[*row];
-            if Envelope::is_nothing(all.matrix.get(own, own), all.sizes[own]) {
-                self.self_stresses.push(vec![(*row, self.weights[*row])]);
-                return false;
+        let (mut dependent, mut parts) = (Vec::new(), Vec::new());
+        for row in redundant {
+            let own = unknown[row];
+            let mut stress = vec![(row, self.weights[row])];
+            if !dependence.is_nothing(own) {
+                let part = dependence.part((row, own), &solved, &unknowns);
+                if part.iter().any(|part| part.abs() > PART) {
+                    stress.extend(part.iter().zip(&solved).map(|(part, row)| (*row, -part * self.weights[*row])));
+                    dependent.push(row);
+                    parts.push(part);
+                }
             }
-            let mut part: Vec<f64> = solved.iter().map(|other| all.matrix.get(own, unknown[*other])).collect();
-            self.matrix.solve(&mut part);
-            for (part, other) in part.iter_mut().zip(&solved) {
-                *part *= self.weights[*row] / self.weights[*other];
-            }
-            let follows = part.iter().any(|part| part.abs() > PART);
-            let mut stress = vec![(*row, self.weights[*row])];
-            if follows {
-                stress.extend(part.iter().zip(&solved).map(|(part, row)| (*row, -part * self.weights[*row])));
-            }
-            self.self_stresses.push(stress);
-            if follows {
-                parts.push(part);
-            }
-            follows
-        });
+            self_stresses.push(stress);
+        }
+        self.self_stresses = self_stresses;
+        self.take_shares(&solved, &dependent, &parts);
+    }
+
+    /// The smallest multipliers, by the rows `parts` of C of the rows that depend on those solved for.
+    fn take_shares(&mut self, solved: &[usize], redundant: &[usize], parts: &[Vec<f64>]) {
         let matrix = DMatrix::from_fn(redundant.len(), solved.len(), |d, i| parts[d][i]);
         let carried =
             DVector::from_iterator(solved.len(), solved.iter().map(|row| self.multipliers[*row] / self.weights[*row]));
@@ -202,7 +208,7 @@ impl Constraints {
             return;
         }
         self.remember_unshared();
-        for (rows, numbers) in [(&solved, &carried), (&redundant, &share)] {
+        for (rows, numbers) in [(solved, &carried), (redundant, &share)] {
             rows.iter().zip(numbers.iter()).for_each(|(row, x)| self.multipliers[*row] = x * self.weights[*row]);
         }
         for (i, row) in solved.iter().enumerate() {
@@ -279,6 +285,13 @@ impl Constraints {
     /// The root of the sum of squares of all multipliers, moments divided by the lever of their component (N).
     pub(crate) fn multiplier_size(&self) -> f64 {
         self.multipliers.iter().zip(&self.weights).map(|(x, weight)| (x / weight).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Marks rows solved for whose multipliers are not unique, as something beside the rows bears with them.
+    pub(crate) fn share_with_others(&mut self, shares: &[bool]) {
+        for (row, shares) in self.plan.rows().zip(shares) {
+            self.not_unique[row] |= *shares;
+        }
     }
 
     /// Whether rows that are left out of the solution push, after [`Constraints::share`].

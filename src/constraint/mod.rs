@@ -25,6 +25,7 @@
 //! | [`assembly`], `close` | (3) and (4): positions and velocities brought onto the rows |
 //! | `plan`, `component`, `envelope` | (2): the sparse structure of `A`, its components and its factors |
 //! | `hold` | rows of what rests, which come and go in a run |
+//! | `depend` | how rows that are left out depend on those solved for |
 //! | `loads` | what rows push, and how redundant ones share it |
 //! | `entries`, `listed`, `sizes` | rows as sparse rows, rows apart from the tree, the sizes of their terms |
 
@@ -32,6 +33,7 @@ pub mod assembly;
 mod choose;
 mod close;
 mod component;
+mod depend;
 mod entries;
 mod envelope;
 mod hold;

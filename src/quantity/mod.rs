@@ -244,6 +244,10 @@ impl<'t> Reader<'t> {
         self.at += end;
         match written.replace('_', "").parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(if negative { -number } else { number }),
+            Ok(_) => {
+                let error = QuantityError::new(span, "this number is larger than any that can be computed with");
+                Err(error.help("the largest is 1.8e308"))
+            }
             _ => {
                 let error = QuantityError::new(span, "a quantity begins with a number");
                 Err(error.help("for example `\"45 deg\"`"))

@@ -11,6 +11,7 @@
 //! | `stay.stiffness`, `force[0].stiffness` | a key of a force, by its name or its place, and so of whatever else is a list in the file: loops, drives, gears, motors, events |
 //! | `link[3].stiffness` | of one copy of a repeated body, if copies may differ in it |
 //! | `gravity[2]`, `push.force[0]`, `slider.position[1]` | one component of a list |
+//! | `tyre.force.extension[3][1]`, `stay.between[1].at[2]` | a component of a list within a list, or of a table within one |
 //! | `hinge.damping` | a key of every hinge whose type has it, unless something is called `hinge` |
 //!
 //! The value is written as in a file; what is no TOML value is taken as text, so `statics.want=any` needs no quotes.
@@ -18,6 +19,7 @@
 mod component;
 mod overlap;
 mod unit;
+mod within;
 
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
@@ -275,6 +277,9 @@ impl<'a> Change<'a> {
 
     /// Sets what `path` leads to from `table`, making the tables on the way.
     fn set(self, table: &mut DeTable<'a>, declared: &'static Table, path: &str) -> Result<(), Finding> {
+        if within::is_within_a_list(table, path) {
+            return within::put(&self, table, path);
+        }
         let (plain, component) = split_component(path);
         if let Some(index) = component.filter(|_| walk(table, path, true).is_none()) {
             let part = Part { copy: None, component: Some(index) };

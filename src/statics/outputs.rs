@@ -93,7 +93,6 @@ fn pushed(model: &Arc<Model>, found: &Equilibrium) -> Arc<Model> {
 /// Places the rows of loops, drives and gears, which push as the search found: what locks and stops hold is not in the system.
 fn push_as_found(system: &mut System, found: &Equilibrium) -> Result<(), Fault> {
     if system.model().is_constrained() {
-        system.at(0.0, &found.position, &found.velocity).accelerations(&mut vec![0.0; found.velocity.len()])?;
         system.set_multipliers(&found.multipliers);
     }
     Ok(())

@@ -3,12 +3,12 @@
 use super::answer::{self, Answer, Question};
 use super::axis;
 use super::column::{Cell, Column, Kind};
-use super::plan::{Plan, Value};
+use super::plan::{Plan, Value, texts};
 use crate::constraint;
 use crate::foreign;
 use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::scenario::{Diagnostics, Override, Scenario, locate, parse};
+use crate::scenario::{Diagnostics, Override, Scenario, locate};
 use crate::simulate::outputs::OutputRanges;
 use crate::simulate::{self, State, Summary};
 use crate::statics::{self, Equilibrium};
@@ -22,8 +22,8 @@ pub const VARY: &str = "--vary";
 /// All cases of a plan, and how each is answered.
 #[derive(Debug)]
 pub struct Cases {
-    scenario: Scenario,
-    set: Vec<Override>,
+    pub(super) scenario: Scenario,
+    pub(super) set: Vec<Override>,
     /// Which cases there are.
     pub plan: Plan,
     /// What is asked of each.
@@ -87,7 +87,7 @@ impl Cases {
     /// The cases of a plan. `set` are changes that all of them have; `scenario` has been read with them.
     ///
     /// # Errors
-    /// If no case makes a scene, as with an address that is not there, or if two columns would have one name.
+    /// If an address is not there or no value fits there, or if two columns would have one name.
     pub fn new(scenario: Scenario, set: Vec<Override>, plan: Plan, question: Question) -> Result<Self, Refusal> {
         let mut cases = Self { scenario, set, plan, question, columns: Vec::new(), direct: None, together: false };
         let scenes = cases.scenes()?;
@@ -138,7 +138,14 @@ impl Cases {
         let mut found: Option<Direct> = None;
         for (last, u) in [(false, 0.5), (false, 0.1), (true, 0.9)] {
             let values = self.plan.probe(last, u);
-            let read = self.read(&written(&values)).ok()?;
+            let Ok(read) = self.read(&texts(&values)) else {
+                // No scene when it is read: none when it is set, either.
+                let set = Direct { scenario: self.scenario.clone(), numbers: numbers.clone() };
+                match set.description(&values).is_some_and(|set| Model::build(&set).is_err()) {
+                    true => continue,
+                    false => return None,
+                }
+            };
             let direct = found.get_or_insert_with(|| Direct { scenario: read.clone(), numbers: numbers.clone() });
             let settings = |one: &Scenario| {
                 let settings = (one.simulate, one.statics, one.record, one.path.clone());
@@ -154,67 +161,6 @@ impl Cases {
     /// The columns of every row, in order.
     pub fn columns(&self) -> &[Column] {
         &self.columns
-    }
-
-    /// The scenes whose columns a study can have: one, and one more for every value of an axis that is no plain number of
-    /// the scene, such as the copies of a body.
-    fn scenes(&self) -> Result<Vec<(Scenario, Vec<Override>)>, Refusal> {
-        let mut first = None;
-        let mut scenes = Vec::new();
-        let read = |values: Vec<String>| {
-            let changes = self.changes(&values);
-            self.read_with(&changes).map(|scenario| (scenario, changes))
-        };
-        let mut accept = |values: Vec<String>| match read(values) {
-            Ok(scene) => scenes.push(scene),
-            Err(problems) => first = first.take().or(Some(problems)),
-        };
-        accept(self.median(None));
-        for (index, axis) in self.plan.axes.iter().enumerate() {
-            let plain = Parameter::find(&self.scenario.description, &axis.path).is_ok();
-            for value in axis.values.iter().filter(|_| !plain) {
-                accept(self.median(Some((index, value))));
-            }
-        }
-        // A plan whose first values make no scene may have others that do.
-        if scenes.is_empty() {
-            for (index, axis) in self.plan.axes.iter().enumerate() {
-                let other = axis.values.iter().find_map(|value| read(self.median(Some((index, value)))).ok());
-                scenes.extend(other);
-            }
-        }
-        match first.filter(|_| scenes.is_empty()) {
-            Some(problems) => Err(problems.into()),
-            None => Ok(scenes),
-        }
-    }
-
-    /// The first value of every axis, or another one of one of them, and the median of every distribution, as written.
-    fn median(&self, other: Option<(usize, &str)>) -> Vec<String> {
-        let axes = self.plan.axes.iter().enumerate().map(|(index, axis)| match other {
-            Some((changed, value)) if changed == index => value.to_owned(),
-            _ => axis.values[0].clone(),
-        });
-        axes.chain(self.plan.varied.iter().map(|one| one.median.clone())).collect()
-    }
-
-    fn read(&self, values: &[String]) -> Result<Scenario, Diagnostics> {
-        self.read_with(&self.changes(values))
-    }
-
-    fn read_with(&self, changes: &[Override]) -> Result<Scenario, Diagnostics> {
-        parse(&self.scenario.name, &self.scenario.text, changes)
-    }
-
-    /// The changes that all cases have, and those of one with these values.
-    fn changes(&self, values: &[String]) -> Vec<Override> {
-        let axes = self.plan.axes.len();
-        let option = |index: usize| if index < axes { axis::OPTION } else { VARY };
-        let named = self.plan.paths().zip(values).enumerate();
-        // Neither path nor value is empty: both have been read before.
-        let changes =
-            named.filter_map(|(i, (path, value))| Override::of_option(option(i), &format!("{path}={value}")).ok());
-        self.set.iter().cloned().chain(changes).collect()
     }
 
     /// The row of a case; `None` if `go_on` ended it.
@@ -290,7 +236,7 @@ impl Cases {
             return self.answer(&direct.scenario, description, model, go_on);
         }
         // Also of numbers that make no scene: what is wrong with them is said by who reads them.
-        let scenario = self.read(&written(values)).map_err(|problems| no(first(&problems)))?;
+        let scenario = self.read(&texts(values)).map_err(|problems| no(first(&problems)))?;
         let description = scenario.description.clone();
         let model = Model::build(&description).map_err(|problems| no(listed(&problems)))?;
         self.answer(&scenario, description, model, go_on)
@@ -418,15 +364,6 @@ fn unique(columns: &[Column]) -> Result<(), Refusal> {
     }
 }
 
-/// Values as they are written after `--set`.
-fn written(values: &[Value<'_>]) -> Vec<String> {
-    let text = |value: &Value<'_>| match value {
-        Value::Written(text, _) => (*text).to_owned(),
-        Value::Drawn(number) => format!("{number:?}"),
-    };
-    values.iter().map(text).collect()
-}
-
 /// A case without any answer.
 pub(super) fn no(why: String) -> Failure {
     Failure::No(why, None)
@@ -446,6 +383,7 @@ mod tests {
     use super::super::axis::Axis;
     use super::super::plan::Draw;
     use super::*;
+    use crate::scenario::parse;
 
     const SCALE: &str = "[[body]]\nname = \"pan\"\nmass = 1.0\n\
         hinge = { type = \"prismatic\", axis = [0.0, 0.0, 1.0], stiffness = 100.0 }\n";

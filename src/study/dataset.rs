@@ -66,7 +66,10 @@ pub enum DatasetError {
     /// A file cannot be read or written.
     #[error("cannot write `{0}`: {1}")]
     Write(PathBuf, #[source] io::Error),
-    /// A part cannot be written or read.
+    /// A part is there and cannot be read.
+    #[error("`{0}` is damaged: {1}; delete it, and `--resume` computes it again")]
+    Damaged(PathBuf, String),
+    /// A part cannot be written.
     #[error("`{0}`: {1}")]
     Part(PathBuf, #[source] ::parquet::errors::ParquetError),
 }
@@ -252,11 +255,15 @@ impl Dataset {
     /// How many cases failed in a part that is done.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If it cannot be read, or has not as many rows as it should.
     pub fn failed(&self, part: u64) -> Result<u64, DatasetError> {
         let path = self.path(part);
-        let file = File::open(&path).map_err(|error| DatasetError::Part(path.clone(), error.into()))?;
-        parquet::failed(file).map_err(|error| DatasetError::Part(path, error))
+        let read = || parquet::failed(File::open(&path)?);
+        let (rows, failed) = read().map_err(|error| DatasetError::Damaged(path.clone(), error.to_string()))?;
+        match self.part(part).1.count() as u64 {
+            wanted if wanted == rows => Ok(failed),
+            wanted => Err(DatasetError::Damaged(path, format!("it has {rows} rows, not {wanted}"))),
+        }
     }
 }
 

@@ -133,6 +133,12 @@ pub fn standard_normal_below(z: f64) -> f64 {
     Normal::standard().cdf(z)
 }
 
+/// A number in SI units, as it may be written with a unit; empty for none.
+pub(super) fn written(value: f64, unit: &str) -> String {
+    let factor = if unit.is_empty() { 1.0 } else { number(&format!("1 {unit}")).map_or(1.0, |one| one.value) };
+    format!("{:?} {unit}", value / factor).trim_end().to_owned()
+}
+
 /// A number with a unit, as it is written.
 #[derive(Debug, Clone, Copy)]
 struct Written<'t> {
@@ -205,6 +211,8 @@ mod tests {
             ("normal(1 m, 2)", "only some have one"),
             ("normal(1 rad, 2)", "only some have one"),
             ("normal()", "begins with a number"),
+            ("normal(1e400,5)", "larger than any"),
+            ("uniform(-1e999 mm,5 mm)", "larger than any"),
             ("lognormal(0, 1)", "positive"),
             ("uniform(2, 1)", "above the high end"),
             ("triangular(1, 3, 2)", "in this order"),

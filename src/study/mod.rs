@@ -19,11 +19,13 @@
 //! | [`fit`] | numbers of a scene that bring its answers closest to measurements |
 //! | `dataset`, `parquet`, `reader` | rows on disk, written and read (feature `parquet`) |
 //! | [`statistics`] | moments, quantiles, regression of a column on the inputs |
+//! | [`additive`] | what the inputs do by themselves: functions of one of them each |
 //! | [`variance`] | what each input explains alone: first-order Sobol indices |
 //!
 //! A row follows from plan, scenario and number of its case alone: it does not matter which thread, process or machine
 //! computes it, nor in which order.
 
+pub mod additive;
 pub mod answer;
 pub mod axis;
 pub mod case;
@@ -40,6 +42,7 @@ pub mod pool;
 #[cfg(feature = "parquet")]
 pub mod reader;
 pub mod sample;
+mod scenes;
 pub mod sobol;
 pub mod statistics;
 mod together;

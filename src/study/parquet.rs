@@ -52,15 +52,16 @@ pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Resul
     Ok(())
 }
 
-/// How many cases failed in a file.
+/// How many rows a file has, and how many of these cases failed.
 ///
 /// # Errors
 /// If it is no file of [`write`](fn@write).
-pub fn failed(file: File) -> Result<u64, ParquetError> {
+pub fn failed(file: File) -> Result<(u64, u64), ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();
     let value = pairs.into_iter().flatten().find(|pair| pair.key == FAILED).and_then(|pair| pair.value.as_ref());
-    value.and_then(|text| text.parse().ok()).ok_or_else(|| {
+    let rows = u64::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
+    value.and_then(|text| text.parse().ok()).map(|failed| (rows, failed)).ok_or_else(|| {
         ParquetError::General("it does not say how many cases failed: it is no part of a study".to_owned())
     })
 }

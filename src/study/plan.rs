@@ -6,7 +6,7 @@
 
 use super::axis::Axis;
 use super::correlation::Correlation;
-use super::distribution::{Distribution, FORMS};
+use super::distribution::{Distribution, FORMS, written};
 use super::sample::{Sampler, Sampling};
 use std::fmt::Write;
 
@@ -34,6 +34,13 @@ impl Variation {
         let written = written.trim().trim_matches(['"', '\'']);
         let (distribution, median) = Distribution::parse(written)?;
         Ok(Self { path: path.trim().to_owned(), distribution, median })
+    }
+}
+
+impl Variation {
+    /// A value in SI units, with the unit in which the distribution is written.
+    pub fn written(&self, value: f64) -> String {
+        written(value, self.median.split_once(' ').map_or("", |(_, unit)| unit))
     }
 }
 
@@ -161,6 +168,15 @@ impl Plan {
         let _ = writeln!(text, "{} {samples} {seed} {}", sampling.name(), self.correlation);
         text
     }
+}
+
+/// Values as they are written after `--set`.
+pub(super) fn texts(values: &[Value<'_>]) -> Vec<String> {
+    let text = |value: &Value<'_>| match value {
+        Value::Written(text, _) => (*text).to_owned(),
+        Value::Drawn(number) => format!("{number:?}"),
+    };
+    values.iter().map(text).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Reading the columns of a dataset, part by part: nothing is kept.
 
 use super::dataset::MANIFEST;
+use super::sample::Sampling;
+use super::variance::Spread;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef};
@@ -19,6 +21,8 @@ pub struct Reader {
     pub cases: u64,
     /// What its plan varies.
     pub inputs: Vec<String>,
+    /// How evenly its plan spreads the inputs.
+    pub spread: Spread,
     /// Names and units of its columns of numbers, in order.
     pub numbers: Vec<(String, String)>,
 }
@@ -50,6 +54,10 @@ impl Reader {
             parts,
             cases: manifest["cases"].as_u64().unwrap_or_default(),
             inputs: texts(&manifest["inputs"]).iter().map(text).collect(),
+            spread: match manifest["sample"].as_str() {
+                Some(name) if name == Sampling::Sobol.name() => Spread::Even,
+                _ => Spread::Chance,
+            },
             numbers: columns.iter().filter(is_number).map(|one| (text(&one["name"]), text(&one["unit"]))).collect(),
         })
     }
@@ -63,7 +71,10 @@ impl Reader {
         for path in &self.parts {
             let failed = |error: &dyn std::fmt::Display| format!("`{}`: {error}", path.display());
             let file = File::open(path).map_err(|error| failed(&error))?;
-            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| failed(&error))?;
+            let damaged = |error: &dyn std::fmt::Display| {
+                format!("`{}` is damaged: {error}; delete it, and `sweep --resume` computes it again", path.display())
+            };
+            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(&error))?;
             let place = |name: &str| {
                 let fields = builder.schema().fields();
                 let place = fields.iter().position(|field| field.name() == name);
@@ -72,7 +83,7 @@ impl Reader {
             let places = ["ok"].iter().chain(columns).map(|name| place(name)).collect::<Result<Vec<_>, _>>()?;
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             for batch in builder.with_projection(mask).build().map_err(|error| failed(&error))? {
-                let batch = batch.map_err(|error| failed(&error))?;
+                let batch = batch.map_err(|error| damaged(&error))?;
                 let column = |name: &str| {
                     let found = batch.column_by_name(name);
                     found.cloned().ok_or_else(|| failed(&format!("there is no column `{name}`")))

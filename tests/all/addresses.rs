@@ -1,8 +1,10 @@
 //! One way to address numbers, wherever an address is written: `--set`, `--over`, `[statics] unknown`, `[statics.path]`
 //! and start files.
 
+use std::ops::Range;
 use stillpoint::model::{Description, Model, Parameter};
 use stillpoint::scenario::{self, Override, Scenario, start};
+use toml::de::DeValue;
 
 const SCENE: &str = r#"
 gravity = [0.0, 0.0, -9.0]
@@ -203,6 +205,89 @@ fn parts_of_values_are_written_out() {
     let refused = |change: &str| read(SCENE, &[change.to_owned()]).expect_err(change);
     assert!(refused("link[1].center=[0,0,0]").contains("all copies have the same `center`"));
     assert!(refused("upper.name[0]=x").contains("without a component"));
+}
+
+/// The numbers of a value that stand within a list of a list, or of a table in one, with their addresses and places in the text.
+fn nested(value: &toml::Spanned<DeValue<'_>>, address: &str, lists: usize, found: &mut Vec<(String, Range<usize>)>) {
+    match value.get_ref() {
+        DeValue::Array(items) => {
+            for (index, item) in items.iter().enumerate() {
+                nested(item, &format!("{address}[{index}]"), lists + 1, found);
+            }
+        }
+        DeValue::Table(table) => {
+            for (key, value) in table.iter().filter(|(key, _)| key.get_ref() != "markers") {
+                nested(value, &format!("{address}.{}", key.get_ref()), lists + usize::from(lists > 0), found);
+            }
+        }
+        DeValue::Integer(_) | DeValue::Float(_) if lists > 1 => found.push((address.to_owned(), value.span())),
+        _ => {}
+    }
+}
+
+/// Numbers within lists within elements of a file, by their addresses: set there, they are as if they were written there, whatever
+/// that makes of the scene.
+#[test]
+fn numbers_within_lists_are_those_of_the_file() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
+    let mut texts = vec![SCENE.to_owned()];
+    for entry in std::fs::read_dir(folder).expect("the scenes") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_some_and(|end| end == "toml") {
+            texts.push(std::fs::read_to_string(path).expect("a scene"));
+        }
+    }
+    let (mut set, mut differ) = (0, 0);
+    for text in texts {
+        let document = toml::de::DeTable::parse(&text).expect("TOML");
+        let mut found = Vec::new();
+        for (list, elements) in document.get_ref().iter() {
+            let Some(elements) = elements.get_ref().as_array() else { continue };
+            for (index, element) in elements.iter().enumerate() {
+                let Some(table) = element.get_ref().as_table() else { continue };
+                let name = table.get("name").and_then(|name| name.get_ref().as_str());
+                let address = match name {
+                    // Copies have rules of their own.
+                    _ if table.contains_key("repeat") => continue,
+                    Some(name) => name.to_owned(),
+                    None => format!("{}[{index}]", list.get_ref()),
+                };
+                nested(element, &address, 0, &mut found);
+            }
+        }
+        let Ok(plain) = read(&text, &[]) else { continue };
+        for (address, span) in found.into_iter().step_by(7) {
+            let written = [&text[..span.start], "0.123", &text[span.end..]].concat();
+            let now = read(&text, &[format!("{address}=0.123")]).map(|scene| scene.description);
+            match read(&written, &[]) {
+                Ok(expected) => {
+                    differ += u32::from(plain.description != expected.description);
+                    assert_eq!(now.as_ref(), Ok(&expected.description), "{address}");
+                }
+                Err(_) => assert!(now.is_err_and(|error| !error.contains("is not given")), "{address}"),
+            }
+            set += 1;
+        }
+    }
+    assert!(set > 100 && differ > 50, "{set} numbers, {differ} of them change something");
+}
+
+/// What is not there within a list is said, with what is.
+#[test]
+fn wrong_places_within_lists_are_answered() {
+    for (address, word) in [
+        ("force[1].between[2].at[0]", "its components are 0 to 1"),
+        ("force[1].between[1].at[3]", "its components are 0 to 2"),
+        ("force[1].between[0].at[2]", "`between[0]` is not a table"),
+        ("push.force[0][1]", "`force[0]` is not a list"),
+        ("force[1].curve[0][1]", "unknown key `curve`"),
+        ("force[1].betwen[1].at[0]", "did you mean `between`?"),
+    ] {
+        let error = read(SCENE, &[format!("{address}=1.0")]).expect_err(address);
+        assert!(error.contains(word), "{address}: {error}");
+    }
+    let moved = read(SCENE, &["force[1].between[1].at[2]=0.5".to_owned()]).expect("a scene");
+    assert_ne!(moved.description, read(SCENE, &[]).expect("a scene").description);
 }
 
 #[test]

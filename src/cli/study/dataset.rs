@@ -5,6 +5,7 @@ mod plot;
 use super::super::text::{count, number, small};
 use super::super::{Exit, inputs::Inputs, output};
 use super::Arguments;
+use crate::study::additive::Additive;
 use crate::study::reader::Reader;
 use crate::study::statistics::{CONFIDENCE, Effect, Moments, Regression, quantiles};
 use crate::study::variance::{self, Classes, FEWEST_ROWS, FirstOrder};
@@ -166,20 +167,26 @@ impl Study {
         })?;
         let regression = Regression::new(&moments);
         let alone = match regression.is_some() && moments.count >= FEWEST_ROWS {
-            true => self.alone(&name, &moments)?,
+            true => self.alone(&name, &moments, regression.as_ref().is_some_and(|one| one.correlated.is_none()))?,
             false => vec![None; self.inputs.len()],
         };
         Ok(Some(Output { name, unit, moments, quantiles, regression, alone }))
     }
 
-    /// What each input explains alone.
-    fn alone(&self, name: &str, moments: &Moments) -> anyhow::Result<Vec<Option<FirstOrder>>> {
+    /// What each input explains alone. Of `independent` inputs, what the others do is taken off before.
+    fn alone(&self, name: &str, moments: &Moments, independent: bool) -> anyhow::Result<Vec<Option<FirstOrder>>> {
         if self.ends.get().is_none() {
             let ends = self.inputs.iter().map(|input| self.ends_of(input)).collect::<anyhow::Result<_>>()?;
             self.ends.get_or_init(|| ends);
         }
         let ends = self.ends.get().cloned().unwrap_or_default();
-        let mut classes = Classes::new(ends, moments.mean(self.inputs.len()));
+        let (ranges, mean) = (&moments.ends[..self.inputs.len()], moments.mean(self.inputs.len()));
+        let mut additive = Additive::new(&ends, ranges, moments.count, mean).filter(|_| independent);
+        if let Some(additive) = &mut additive {
+            self.answered(name, &mut |row| additive.add(row))?;
+            additive.fit();
+        }
+        let mut classes = Classes::new(ends, mean, self.reader.spread, additive);
         self.answered(name, &mut |row| classes.add(row))?;
         Ok((0..self.inputs.len()).map(|input| classes.first_order(input, CONFIDENCE)).collect())
     }
@@ -239,7 +246,7 @@ impl Study {
         text += &format!("  {:width$}   coefficient ± {by} %        correlation   alone ± {by} %\n", "input");
         for (effect, alone) in ranked.iter().take(MOST_INPUTS) {
             let line = format!("{:+.4} ± {:.4}", effect.coefficient, effect.confidence);
-            let alone = alone.map(|alone| format!("{:.4} ± {:.4}", shown(alone.index), alone.confidence));
+            let alone = alone.map(|alone| format!("{:.4} ± {:.4}", alone.index, alone.confidence));
             let line = format!(
                 "  {:width$}   {line:<25} {:+.4}       {}",
                 self.inputs[effect.input],
@@ -280,9 +287,7 @@ impl Study {
                 "  what matters most is `{input}`: {} % of the variance by itself; all inputs by themselves explain {} %, the \
                  rest is in how they act together; a line in all inputs explains {explained} %\n",
                 small(100.0 * alone.index),
-                small(
-                    100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| shown(alone.index)).sum::<f64>()
-                ),
+                small(100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| alone.index).sum::<f64>()),
             ),
             Some(_) => format!(
                 "  no input explains anything by itself: what matters is how they act together, or nothing that varies here; a \
@@ -294,9 +299,4 @@ impl Study {
             ),
         }
     }
-}
-
-/// An index as it is shown: what chance makes negative is zero.
-fn shown(index: f64) -> f64 {
-    index.max(0.0)
 }

@@ -7,7 +7,7 @@ use super::super::fields::Table;
 use super::super::format::{BODY, HINGE, SCENARIO};
 use super::super::{Scenario, document};
 use super::{
-    Override, component, element, elements, entries, first_key, full_path, holds_table, split_component, walk,
+    Override, component, element, elements, entries, first_key, full_path, holds_table, split_component, walk, within,
 };
 use crate::model::address::Target;
 use std::fmt::Write;
@@ -79,12 +79,22 @@ struct Spot {
 }
 
 impl Spot {
+    /// The key with the component, as the keys of what is within this begin.
+    fn entry(&self) -> String {
+        self.component.map_or_else(|| self.key.clone(), |component| format!("{}[{component}]", self.key))
+    }
+
+    /// Whether all of this is within another key, or within the component of it that is meant.
+    fn is_inside(&self, outer: &Self) -> bool {
+        self.key == outer.key || is_within(&self.key, &outer.entry())
+    }
+
     /// What both stand for.
     fn shared(&self, other: &Self) -> Option<Self> {
         if self.element != other.element {
             return None;
         }
-        let inner = [(self, other), (other, self)].into_iter().find(|(inner, outer)| is_within(&inner.key, &outer.key));
+        let inner = [(self, other), (other, self)].into_iter().find(|(inner, outer)| inner.is_inside(outer));
         let (inner, outer) = inner?;
         let copy = common(inner.copy, outer.copy)?;
         let component = match inner.key == outer.key {
@@ -97,9 +107,9 @@ impl Spot {
     fn covers(&self, other: &Self) -> bool {
         let has = |own: Option<usize>, other: Option<usize>| own.is_none() || own == other;
         self.element == other.element
-            && is_within(&other.key, &self.key)
+            && other.is_inside(self)
             && has(self.copy, other.copy)
-            && has(self.component, if self.key == other.key { other.component } else { None })
+            && (self.key != other.key || has(self.component, other.component))
     }
 
     /// Whether paths set all of it, by themselves or together.
@@ -173,7 +183,7 @@ fn common(one: Option<usize>, other: Option<usize>) -> Option<Option<usize>> {
 /// Whether a key is another, or one of the table that the other is; names of markers may hold dots.
 fn is_within(inner: &str, outer: &str) -> bool {
     let rest = inner.strip_prefix(outer);
-    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.') && !outer.starts_with("markers."))
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']) && !outer.starts_with("markers."))
 }
 
 fn shared(some: &[Spot], others: &[Spot]) -> Vec<Spot> {
@@ -223,6 +233,13 @@ fn spot(
     copy: Option<usize>,
     path: &str,
 ) -> Spot {
+    if within::is_within_a_list(table, path) {
+        let path = within::plainly(path);
+        let (key, component) = split_component(&path);
+        let written = within::value(table, key).and_then(|value| value.get_ref().as_array());
+        let count = written.map_or(0, |items| items.len());
+        return Spot { element, name: String::new(), copies: 0, copy, key: key.to_owned(), count, component };
+    }
     let (plain, component) = split_component(path);
     // Names of markers and parameters may end like a component.
     let (key, component) = match component.filter(|_| copy.is_some() || walk(table, path, true).is_none()) {
@@ -297,6 +314,9 @@ mod tests {
             ("link.damping[2]", "link[1].damping", "`link[1].damping[2]`"),
             ("link.mass[1]", "link[1].mass", "`link[1].mass`"),
             ("a.hinge", "a.rest", "`a.rest`"),
+            ("mount.between[0]", "mount.between[00].at[2]", "`mount.between[0].at[2]`"),
+            ("force[0].between[0].at", "mount.between[0].at[2]", "`mount.between[0].at[2]`"),
+            ("mount.between", "mount.between[1].at[0]", "`mount.between[1].at[0]`"),
             ("force[0].stiffness", "mount.stiffness.rotation[1]", "`mount.stiffness[4]`"),
             ("hinge.damping", "hinge.damping", "`a.damping`, `link.damping`"),
         ] {
@@ -306,6 +326,9 @@ mod tests {
         }
         for (one, other) in [
             ("gravity[1]", "gravity[2]"),
+            ("mount.between[0]", "mount.between[1].at[2]"),
+            ("mount.between[1].at[0]", "mount.between[1].at[2]"),
+            ("mount.between[0].at", "mount.between[1].at"),
             ("hinge.stiffness[1]", "a.stiffness"),
             ("hinge.stiffness", "hinge.damping"),
             ("hinge.stiffness", "mount.stiffness"),

@@ -72,7 +72,7 @@ fn declared(table: &'static Table, path: &str) -> Option<&'static Key> {
 /// The keys that a path leads to: several where the meaning depends on the type.
 fn keys(table: &'static Table, path: &str) -> Vec<&'static Key> {
     let (first, rest) = path.split_once('.').unwrap_or((path, ""));
-    let own = table.declarations(split_component(first).0);
+    let own = table.declarations(first_key(first));
     if rest.is_empty() {
         return own.collect();
     }
@@ -83,6 +83,7 @@ fn keys(table: &'static Table, path: &str) -> Vec<&'static Key> {
 fn inner(kind: &'static Kind) -> Option<&'static Table> {
     match kind {
         Kind::Table(table) => Some(table),
+        Kind::List(kind, _) => inner(kind),
         Kind::Either(kinds) => kinds.iter().find_map(inner),
         _ => None,
     }

@@ -325,6 +325,76 @@ fn any_threads_and_any_shards_give_the_same_rows() {
     assert!(rows(&bench.path().join("seed")).iter().zip(&exact).all(|(a, b)| a["pan.mass"] != b["pan.mass"]));
 }
 
+/// A part that was cut off, damaged at its end, or holds other rows is told, with what to do, by whoever comes to it; done so, the dataset
+/// is whole again.
+#[test]
+fn a_damaged_part_is_told_and_made_again() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let fixed =
+        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
+    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    call(&[]).code(0);
+    let exact = rows(&bench.path().join("d"));
+    let part = bench.path().join("d/part-0000002.parquet");
+    let whole = std::fs::read(&part).expect("a part");
+    let mut random = Random::new(7);
+    for kind in 0..12 {
+        let cut = random.below(whole.len());
+        let damaged = match kind % 3 {
+            0 => whole[..cut].to_vec(),
+            1 => [&whole[..whole.len() - 8], &[0xff; 8]].concat(),
+            _ => b"no Parquet".to_vec(),
+        };
+        std::fs::write(&part, damaged).expect("damaged");
+        let missing = call(&["--missing"]).code(0);
+        assert_eq!(missing.out.trim(), "2");
+        let resumed = call(&["--resume"]).code(2);
+        let studied = bench.call(&["study", "d"]).code(2);
+        for error in [missing.err, resumed.err, studied.err] {
+            assert!(error.contains("part-0000002.parquet` is damaged") && error.contains("delete it"), "{error}");
+        }
+        std::fs::remove_file(&part).expect("removed");
+        call(&["--resume"]).code(0);
+        assert_eq!(rows(&bench.path().join("d")), exact);
+    }
+}
+
+/// What has to be there at the start are the addresses and numbers that fit somewhere: cases that make no scene are rows, whatever the
+/// middle of the plan is and in whatever order its numbers come.
+#[test]
+fn a_plan_begins_if_any_of_its_numbers_may_stand_there() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let call = |text: &str| bench.call(&[&["sweep", "scale.toml"][..], &text.split(' ').collect::<Vec<_>>()].concat());
+    let plans = [
+        "--vary pan.mass=uniform(-100,100) --cases 40",
+        "--vary pan.mass=uniform(-100000g,100000g) --cases 40",
+        "--vary pan.axis[0]=uniform(-1,1) --vary pan.axis[1]=uniform(-1,1) --vary pan.axis[2]=uniform(-1,1) --cases 40",
+        "--over pan.mass=-1,2",
+        "--over pan.mass=2,-1",
+        "--over statics.want=nothing,any --over pan.mass=0,2",
+    ];
+    for (index, plan) in plans.iter().enumerate() {
+        let out = format!("plan{index}");
+        let answer = call(&format!("{plan} --out {out}"));
+        assert!([0, 1].contains(&answer.code), "{plan}: {}", answer.err);
+        let rows = rows(&bench.path().join(&out));
+        assert!(rows.iter().any(|row| row["ok"] == true), "{plan}");
+        assert!(rows.iter().all(|row| row["ok"] == true || row["error"].as_str().is_some_and(|why| !why.is_empty())));
+    }
+    for plan in [
+        "--vary pan.mas=uniform(-100,100) --cases 4 --out no",
+        "--vary pan.name=uniform(-100,100) --cases 4 --out no",
+        "--vary pan.mass=uniform(-100m,100m) --cases 4 --out no",
+        "--vary pan.mass=uniform(-100,-1) --cases 4 --out no",
+        "--over pan.axis[3]=1,2 --out no",
+        "--over statics.want=nothing,never --out no",
+    ] {
+        call(plan).code(2);
+    }
+}
+
 /// Two processes write the same shard at once, and both are content.
 #[test]
 fn two_processes_may_share_a_shard() {

@@ -142,8 +142,8 @@ fn what_is_no_line_is_not_ranked_by_lines() {
     };
     let exact = (4.0 / 45.0) / (4.0 / 45.0 + 1e-4 / 3.0);
     assert_eq!(first["input"], "parameters.x");
-    // Eight classes of 300 rows: what bends in one is (1/4)⁴/180 of variance, 2.4e-4 of the whole.
-    assert!((of(&first)[0] - exact).abs() < 1e-3, "{first}");
+    let [found, within] = of(&first);
+    assert!((found - exact).abs() < within && within < 0.005, "{first}");
     assert!(of(&second)[0] < of(&second)[1] + 0.05, "{second}");
     let few = ["--over", "parameters.x=-1:1:5", "--over", "parameters.y=-1:1:4", "--out", "few", "--quiet"];
     bench.call(&[&["sweep", "scene.toml"][..], &few].concat()).code(0);

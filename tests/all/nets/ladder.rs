@@ -59,3 +59,59 @@ fn a_long_ladder_takes_the_steps_of_a_short_one() {
         assert!(found.iterations < 20, "{count}: {} steps", found.iterations);
     }
 }
+
+/// A chain of so many links of one length that hangs between two points, its far end held by as many equal loops.
+fn hanging(links: usize, loops: usize) -> String {
+    let (mut text, mut end, bend) = (String::new(), [0.0, 0.0], 1.2 / links as f64);
+    let first = 0.5 * bend * (links as f64 - 1.0);
+    for i in 0..links {
+        let parent = if i == 0 { String::new() } else { format!("parent = \"link{}\", at = [1.0, 0.0, 0.0], ", i - 1) };
+        let angle = if i == 0 { -first } else { bend };
+        let _ = writeln!(
+            text,
+            "[[body]]\nname = \"link{i}\"\nmass = 1.0\ncenter = [0.5, 0.0, 0.0]\ninertia = [0.001, 0.1, 0.1]\n\
+             hinge = {{ type = \"revolute\", {parent}axis = [0.0, -1.0, 0.0], position = {angle:?} }}"
+        );
+        let turned: f64 = -first + bend * i as f64;
+        end = [end[0] + turned.cos(), end[1] + turned.sin()];
+    }
+    for _ in 0..loops {
+        let _ = writeln!(
+            text,
+            "[[loop]]\ntype = \"revolute\"\naxis = [0.0, 1.0, 0.0]\nbetween = [{{ body = \"link{}\", at = [1.0, 0.0, 0.0] }}, \
+             {{ body = \"ground\", at = [{:?}, 0.0, {:?}] }}]",
+            links - 1,
+            end[0],
+            end[1]
+        );
+    }
+    text
+}
+
+/// Equal loops share equally, whatever the metric is in which it is found how one depends on the other: loops over few links, and over
+/// so many that their products with the inertia are not made.
+#[test]
+fn equal_loops_share_equally_at_any_length() {
+    for links in [4, 12, 40, 90] {
+        let carried = |loops: usize| {
+            let text = hanging(links, loops);
+            let scenario = scenario::parse("chain.toml", &text, &[]).unwrap_or_else(|found| panic!("{found}"));
+            let (model, _) = scenario.clone().built.take().expect("a sound scene");
+            let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("no fault");
+            assert!(found.converged, "{links} links: {:?}", found.notes);
+            found.loops.iter().map(|one| one.force).collect::<Vec<_>>()
+        };
+        let alone = carried(1)[0];
+        // By symmetry half of the weight.
+        assert!((alone.z.abs() / (0.5 * links as f64 * 9.80665) - 1.0).abs() < 1e-6, "{links}: {alone}");
+        for loops in [2, 3] {
+            for force in carried(loops) {
+                // The residual of both searches, times how far a long chain is from its own.
+                assert!(
+                    (force * loops as f64 - alone).norm() < 1e-6 * alone.norm(),
+                    "{links}, {loops}: {force} {alone}"
+                );
+            }
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use super::super::super::frame::{self, Area};
 use super::super::super::palette::{BLUE, Theme, VERMILION, range, tick};
 use super::super::super::plot::draw::with_unit;
-use super::{MOST_INPUTS, Output, Study, shown};
+use super::{MOST_INPUTS, Output, Study};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -49,7 +49,7 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
             .iter()
             .take(MOST_INPUTS)
             .map(|(effect, index)| match index.filter(|_| alone) {
-                Some(index) => (effect.input, shown(index.index), index.confidence),
+                Some(index) => (effect.input, index.index, index.confidence),
                 None => (effect.input, effect.coefficient, effect.confidence),
             })
             .map(|(input, bar, confidence)| (study.inputs[input].as_str(), bar, confidence))
