@@ -11,6 +11,7 @@ use super::evaluated::Balanced;
 use crate::element::stress::Stress;
 use crate::model::Beam;
 use crate::model::beam::{BeamElement, MUCH_TURN, Wound};
+use crate::round_off::{EQUILIBRIUM, FORCE};
 use crate::spatial::Pose;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
@@ -71,6 +72,9 @@ pub struct Discretization {
     pub degree: usize,
     /// The most that an element turns by (rad).
     pub turn: f64,
+    /// Whether the section forces are no more than the round-off of the forces in the scene and of those that strains of one would
+    /// make: then there is nothing to be wrong, and both errors are zero.
+    pub idle: bool,
 }
 
 /// Up to this error by (2), a fifth of the whole in the norm of energy, errors fall as their leading term does.
@@ -148,6 +152,20 @@ impl Balanced<'_> {
         self.system.model.beams[beam].elements.iter().map(of).sum()
     }
 
+    /// What round-off leaves of section forces (N m; forces by the length of the beam).
+    fn round_off(&self, beam: &Beam) -> f64 {
+        let of_scene = self.magnitudes().force.iter().fold(0.0_f64, |most, x| most.max(*x)) * beam.length.max(1.0);
+        let mut of_strains = 0.0_f64;
+        for element in &beam.elements {
+            let rod = &self.system.model.rods[element.rod];
+            for strain in rod.free_strains() {
+                let by = if strain < 3 { beam.length } else { 1.0 / beam.length };
+                rod.sections.iter().for_each(|of| of_strains = of_strains.max(by * of[(strain, strain)]));
+            }
+        }
+        EQUILIBRIUM.of(of_scene) + FORCE.of(of_strains)
+    }
+
     fn beam(&self, beam: &Beam) -> BeamState {
         let system = self.system;
         let (mut sections, mut gaps) = (Vec::new(), Gaps::default());
@@ -173,7 +191,8 @@ impl Balanced<'_> {
         };
         // Forces and moments by one measure: a force over the length of the beam is a moment.
         let size = largest(3).max(beam.length * largest(0));
-        let part = |of: f64, whole: f64| if whole > 0.0 { of / whole } else { 0.0 };
+        let idle = size <= self.round_off(beam);
+        let part = |of: f64, whole: f64| if whole > 0.0 && !idle { of / whole } else { 0.0 };
         let turns = beam
             .elements
             .iter()
@@ -184,6 +203,7 @@ impl Balanced<'_> {
             elements: beam.elements.len(),
             degree: beam.degree,
             turn: turns.fold(0.0, f64::max),
+            idle,
         };
         let tip = beam.elements.last().map_or(Pose::identity(), |last| system.motion.links[last.link].pose());
         let strains = beam.elements.iter().map(|element| system.motion.rods[element.rod].q.clone()).collect();

@@ -339,6 +339,13 @@ impl Evaluated<'_> {
         Ok(())
     }
 
+    /// Marks the rows of [`Evaluated::constraint_matrix`] with which something else bears, after [`Evaluated::share_multipliers`].
+    pub(crate) fn share_with_others(&mut self, shares: &[bool]) {
+        if let Some(constrained) = &mut self.system.constraints {
+            constrained.rows.share_with_others(shares);
+        }
+    }
+
     /// What the loops pass, after [`Evaluated::share_multipliers`]; empty without loops.
     pub fn loop_reactions(&self) -> Vec<LoopReaction> {
         let rows = self.system.constraints.as_ref().map(|constrained| &constrained.rows);

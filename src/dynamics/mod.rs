@@ -29,6 +29,7 @@ mod reactions;
 mod sparse;
 mod tangent;
 mod twists;
+mod written;
 
 pub(crate) use beams::LockedStrain;
 pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
