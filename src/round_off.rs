@@ -158,6 +158,10 @@ pub const EIGENVECTOR: RoundOff = RoundOff(1e-9);
 /// last place.
 pub const DOUBLE_ROOT: RoundOff = RoundOff(1e-7);
 
+/// Power of forces that go with speeds, beside the largest such force: Coriolis forces are sums over the whole tree, and what they
+/// leave of power, which they have none of, is their round-off.
+pub const POWER: RoundOff = RoundOff(1e-12);
+
 // What is read and what is shown.
 
 /// Numbers of a file that ought to agree, as inertias and correlations: programs write ten digits or more.

@@ -83,11 +83,7 @@ impl Equilibrium {
         if stability.damped.is_empty() {
             let undamped = stability.modes.iter();
             return undamped
-                .map(|mode| Mode {
-                    frequency: if mode.growth_rate == 0.0 { mode.frequency_hz } else { 0.0 },
-                    damping_ratio: 0.0,
-                    decay_rate: -mode.growth_rate,
-                })
+                .map(|mode| Mode { frequency: mode.frequency_hz, damping_ratio: 0.0, decay_rate: -mode.growth_rate })
                 .collect();
         }
         let damped = stability.damped.iter();
@@ -136,9 +132,8 @@ impl Equilibrium {
     /// Undamped frequencies (Hz), ascending.
     #[getter]
     fn frequencies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let modes = self.held.found.stability.iter().flat_map(|stability| &stability.modes);
-        let moving = modes.filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz);
-        PyArray1::from_vec(py, moving.collect())
+        let frequencies = self.held.found.stability.iter().flat_map(|stability| stability.frequencies());
+        PyArray1::from_vec(py, frequencies.collect())
     }
 
     /// Hinge coordinates by the body that the hinge carries.

@@ -106,6 +106,9 @@ fn stress_text(s: f64, stress: &Stress) -> String {
 
 /// Both errors, and how many elements are enough.
 fn error_text(error: &Discretization) -> String {
+    if error.idle {
+        return "none: no section force is above round-off".to_owned();
+    }
     let elements = |n: usize| count(n, "element", "elements");
     let advised = error.elements_for(ENOUGH);
     let advice = match (error.is_asymptotic(), advised <= error.elements) {

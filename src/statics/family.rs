@@ -8,12 +8,12 @@ use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::closed;
 use crate::statics::certify::growing::Along;
+use crate::statics::certify::motion::LinearMotion;
 use crate::statics::certify::sides::Sides;
-use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
 use crate::statics::certify::weak::{self, Around};
 use crate::statics::problem::assembled::Assembled;
 use crate::statics::problem::place::{Place, SHIFT};
-use crate::statics::problem::sizes::{NEUTRAL, comparable, relative};
+use crate::statics::problem::sizes::{NEUTRAL, comparable, count_by_stiffness, relative};
 use crate::statics::problem::{Branch, Landscape, apart, slides};
 use crate::statics::search::curve::{Family, Look, Metric};
 use faer::Mat;
@@ -295,7 +295,7 @@ impl<'a> Moving<'a> {
             // Coriolis forces may hold what stiffness does not.
             if !landscape.conservative || landscape.steady.iter().any(|v| *v != 0.0) {
                 let Along { linear, sizes: magnitude, .. } = Along::at(landscape, &q, magnitude)?;
-                let (unstable, neutral) = count_by_motion(&linear);
+                let (unstable, neutral) = LinearMotion::new(&linear, &magnitude).count();
                 let negative = negative_real(&linear.stiffness, &magnitude);
                 return Ok(Count { unstable, neutral, negative, sided });
             }

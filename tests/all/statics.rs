@@ -17,6 +17,7 @@ mod modes;
 mod path;
 mod poles;
 mod ratios;
+mod shared;
 mod spinning;
 mod start;
 mod stiff_wires;

@@ -3,14 +3,15 @@
 use super::damped;
 use super::known::{Known, look_closer};
 use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
-use super::stability::{
-    Stability, StabilityVerdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized,
-};
+use super::motion::LinearMotion;
+use super::stability::{Stability, StabilityVerdict, by_matrices, classify_by_sweeps, generalized};
+use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, Linearization};
 use crate::model::Model;
 use crate::statics::problem::bordered::Rows;
 use crate::statics::problem::place::Place;
-use crate::statics::problem::sizes::{sizes, symmetric};
+use crate::statics::problem::shared::Shared;
+use crate::statics::problem::sizes::{count_by_stiffness, sizes, symmetric};
 use crate::statics::problem::{Across, Landscape, Prestress};
 use faer::Mat;
 use std::sync::Arc;
@@ -164,14 +165,16 @@ fn largest_acceleration(landscape: &mut Landscape<'_>, place: &Place) -> Result<
 }
 
 /// What a person should know of the loops at the end of a search.
-pub(in crate::statics) fn notes(landscape: &Landscape<'_>) -> Vec<String> {
+pub(in crate::statics) fn notes(landscape: &Landscape<'_>, shared: Option<&Shared>) -> Vec<String> {
     let Some(ties) = &landscape.ties else { return Vec::new() };
     let mut notes = Vec::new();
     if !ties.frozen.is_empty() {
         let frozen = ties.frozen.join(", ");
         notes.push(format!("the rest cannot stay at rest beside {frozen}: they are held where they are at t = 0"));
     }
-    if ties.view.as_ref().is_some_and(|view| view.singular) {
+    // Beside locks and stops that bear rows may be linearly dependent that are not without them.
+    let held = shared.is_some_and(|shared| shared.regular && !shared.held.is_empty());
+    if !held && ties.view.as_ref().is_some_and(|view| view.singular) {
         notes.push(
             "a singular position of the loops: their reactions are not determined here; the motions that exist only \
              in this position are left out"
@@ -179,6 +182,19 @@ pub(in crate::statics) fn notes(landscape: &Landscape<'_>) -> Vec<String> {
         );
     }
     notes
+}
+
+/// What a person should know of loops that share what they bear with locks and stops.
+pub(in crate::statics) fn shared_note(model: &Model, shared: &Shared, loops: &[LoopReaction]) -> Option<String> {
+    let names: Vec<String> = loops.iter().filter(|one| !one.unique).map(|one| format!("`{}`", one.name)).collect();
+    let held: Vec<String> = shared.held.iter().map(|i| model.label(*i)).collect();
+    (!names.is_empty() && !held.is_empty()).then(|| {
+        format!(
+            "{} and what holds {} share what they bear: of these forces no single one is unique",
+            names.join(", "),
+            held.join(", ")
+        )
+    })
 }
 
 fn acceleration(linear: &Linearization, z: &Mat<f64>, force: &[f64]) -> f64 {
@@ -213,19 +229,20 @@ fn classify(
     if z.ncols() == 0 {
         return Stability::of(0, 0, Vec::new(), Vec::new());
     }
-    let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
-        true => count(z, &linear.stiffness, &place.scales.stiffness),
-        false => count_by_motion(linear),
+    // Without damping loads with a potential need their stiffness alone.
+    let motion = (!conservative || model.has_damping())
+        .then(|| LinearMotion::new(linear, &sizes(Some(z), &place.scales.stiffness)));
+    let (unstable, neutral) = counted.unwrap_or_else(|| match &motion {
+        Some(motion) if !conservative => motion.count(),
+        _ => count(z, &linear.stiffness, &place.scales.stiffness),
     });
     let along = |y: Vec<f64>| (0..z.nrows()).map(|i| y.iter().enumerate().map(|(j, y)| z[(i, j)] * y).sum()).collect();
-    let damped = match model.has_damping() {
-        true => damped::of_motions(model, free, linear, mass, &along),
-        false => Vec::new(),
-    };
-    if !conservative {
-        let mut modes = damped::natural(model, free, linear, mass, &along);
+    let damped = motion.as_ref().filter(|_| model.has_damping());
+    let damped = damped.map_or(Vec::new(), |motion| damped::modes(model, free, motion, mass, &along));
+    if let Some(motion) = motion.filter(|_| !conservative) {
+        let mut modes = damped::natural(model, free, &motion, mass, &along);
         if !damped.is_empty() {
-            damped::still(&mut modes, &damped);
+            damped::label(&mut modes, &damped);
         }
         return Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped);
     }
@@ -233,7 +250,7 @@ fn classify(
         let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
         let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);
         let shares = shares(model, free, &momentum(mass, &shape), &shape);
-        NaturalMode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
+        NaturalMode { frequency_hz, growth_rate, swings: growth_rate == 0.0, shares, shape: scaled(&shape) }
     };
     let found = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass));
     let mut modes = found.map_or(Vec::new(), |(values, vectors)| {

@@ -1,21 +1,11 @@
 //! Damped modes: how the linearized motion dies away.
 //!
-//! `M ẍ + C ẋ + K x = 0` with `x = X e^(st)` is written in first order, lengths of time in units of `1/ω`:
-//!
-//! ```text
-//!      [  0        ω 1 ]
-//! s =  [               ],   y = (ω x, ẋ),   ω² = |M⁻¹ K|                                      (1)
-//!      [ −M⁻¹K/ω  −M⁻¹C ]
-//! ```
-//!
-//! A pair of complex roots is one mode that swings, a real root one that creeps.
+//! A pair of complex roots (see `motion`) is one mode that swings, a real root one that creeps.
 
-use super::eigen;
 use super::modes::{NaturalMode, momentum, scaled, shares};
-use crate::dynamics::{Linearization, System};
+use super::motion::{self, LinearMotion, Root};
+use crate::dynamics::System;
 use crate::model::Model;
-use crate::round_off::DOUBLE_ROOT;
-use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 use std::sync::Arc;
 
@@ -34,49 +24,44 @@ pub struct DampedMode {
     pub shape: [Vec<f64>; 2],
 }
 
-/// All damped modes: by frequency, then by decay.
-pub(in crate::statics) fn modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<DampedMode> {
-    of_motions(model, free, linear, &linear.mass, &|part| part)
-}
-
-/// All damped modes of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`.
-pub(in crate::statics) fn of_motions(
+/// All damped modes of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`: by frequency, then by decay.
+pub(in crate::statics) fn modes(
     model: &Model,
     free: &[usize],
-    linear: &Linearization,
+    motion: &LinearMotion,
     mass: &Mat<f64>,
     of: &dyn Fn(Vec<f64>) -> Vec<f64>,
 ) -> Vec<DampedMode> {
-    let n = linear.mass.nrows();
-    let lu = linear.mass.partial_piv_lu();
-    let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
-    let of_pair = |root: c64, parts: [Vec<f64>; 2]| {
+    all(model, free, motion.roots(), mass, of)
+}
+
+fn all(
+    model: &Model,
+    free: &[usize],
+    roots: Vec<Root>,
+    mass: &Mat<f64>,
+    of: &dyn Fn(Vec<f64>) -> Vec<f64>,
+) -> Vec<DampedMode> {
+    let of_root = |Root { value, parts }: Root| {
         let shapes = parts.map(of);
         let momenta = shapes.each_ref().map(|part| momentum(mass, part));
-        named(model, free, root, shapes, &momenta)
+        named(model, free, value, shapes, &momenta)
     };
-    let mut found: Vec<DampedMode> = roots(&k, &c, n).into_iter().map(|(root, parts)| of_pair(root, parts)).collect();
+    let mut found: Vec<DampedMode> = roots.into_iter().map(of_root).collect();
     sort(&mut found);
     found
 }
 
 /// The modes of `M ẍ + G ẋ + K x = 0`, the motion without its damping: `G` is the part of `C` that does no work, which a steady
-/// motion has by Coriolis forces, and `K` may be without a potential. Of each pair ±s one is a mode: what grows first, then what has no
-/// stiffness, then by frequency.
+/// motion has by Coriolis forces, and `K` may be without a potential. Of each pair ±s of real roots one is a mode, and each pair of complex
+/// ones: what grows first, then what has no stiffness, then by frequency.
 pub(in crate::statics) fn natural(
     model: &Model,
     free: &[usize],
-    linear: &Linearization,
+    motion: &LinearMotion,
     mass: &Mat<f64>,
     of: &dyn Fn(Vec<f64>) -> Vec<f64>,
 ) -> Vec<NaturalMode> {
-    let n = linear.mass.nrows();
-    let c = &linear.damping;
-    let undamped = Linearization {
-        damping: Mat::from_fn(n, n, |i, j| 0.5 * (c[(i, j)] - c[(j, i)])),
-        stiffness: linear.stiffness.clone(),
-        mass: linear.mass.clone(),
-    };
     let mut neutral = 0;
     let mut one_of_each = |mode: DampedMode| {
         if mode.frequency_hz == 0.0 && mode.decay_rate == 0.0 {
@@ -86,21 +71,25 @@ pub(in crate::statics) fn natural(
                 return None;
             }
         }
-        let grows = mode.damping_ratio < -GROWS;
         let [real, imaginary] = mode.shape;
         let size = |shape: &[f64]| shape.iter().map(|x| x * x).sum::<f64>();
         let shape = if size(&real) >= size(&imaginary) { real } else { imaginary };
-        (mode.damping_ratio <= GROWS).then(|| NaturalMode {
+        (mode.decay_rate <= 0.0 || mode.frequency_hz > 0.0).then(|| NaturalMode {
             frequency_hz: mode.frequency_hz,
-            growth_rate: if grows { -mode.decay_rate } else { 0.0 },
+            growth_rate: (-mode.decay_rate).max(0.0),
+            swings: mode.decay_rate == 0.0,
             shape: scaled(&shape),
             shares: mode.shares,
         })
     };
-    let found = of_motions(model, free, &undamped, mass, of);
+    let found = all(model, free, motion.undamped_roots(), mass, of);
     let mut modes: Vec<NaturalMode> = found.into_iter().filter_map(&mut one_of_each).collect();
-    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+    sort_natural(&mut modes);
     modes
+}
+
+fn sort_natural(modes: &mut [NaturalMode]) {
+    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
 }
 
 /// The damped motion of a large system within the space of its lowest undamped modes. `momenta` are `M x` of each.
@@ -140,40 +129,16 @@ pub(in crate::statics) fn within(
     };
     let vectors: Vec<&[f64]> = modes.iter().map(|(_, x)| &x[..]).collect();
     let momenta: Vec<&[f64]> = momenta.iter().map(Vec::as_slice).collect();
-    let mut found: Vec<DampedMode> = roots(&k, &c, count)
+    let mut found: Vec<DampedMode> = motion::of(&k, &c)
         .into_iter()
-        .map(|(root, parts)| {
+        .map(|Root { value, parts }| {
             let shapes = parts.each_ref().map(|part| combined(part, &vectors));
             let momenta = parts.each_ref().map(|part| combined(part, &momenta));
-            named(model, free, root, shapes, &momenta)
+            named(model, free, value, shapes, &momenta)
         })
         .collect();
     sort(&mut found);
     found
-}
-
-/// Roots of (1), one of each pair, with the real and the imaginary part of `x`.
-pub(super) fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
-    let largest = (0..n).map(|i| (0..n).map(|j| k[(i, j)].abs()).sum::<f64>()).fold(0.0, f64::max);
-    let unit = if largest > 0.0 { largest.sqrt() } else { 1.0 };
-    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-        (true, true) => 0.0,
-        (true, false) => unit * f64::from(u8::from(i + n == j)),
-        (false, true) => -k[(i - n, j)] / unit,
-        (false, false) => -c[(i - n, j - n)],
-    });
-    let Some(pairs) = eigen::pairs(&first_order) else { return Vec::new() };
-    let one_of_each = |(root, vector): (c64, Vec<c64>)| {
-        let size = root.re.hypot(root.im);
-        let root = if size > DOUBLE_ROOT.of(unit) { root } else { c64::new(0.0, 0.0) };
-        let swings = root.im.abs() > DOUBLE_ROOT.of(size);
-        (!swings || root.im > 0.0).then(|| {
-            let root = if swings { root } else { c64::new(root.re, 0.0) };
-            let part = |of: fn(&c64) -> f64| vector[..n].iter().map(of).collect::<Vec<f64>>();
-            (root, [part(|x| x.re), part(|x| x.im)])
-        })
-    };
-    pairs.into_iter().filter_map(one_of_each).collect()
 }
 
 fn named(model: &Model, free: &[usize], root: c64, shape: [Vec<f64>; 2], momenta: &[Vec<f64>; 2]) -> DampedMode {
@@ -199,22 +164,17 @@ fn sort(modes: &mut [DampedMode]) {
     modes.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.decay_rate.total_cmp(&b.decay_rate)));
 }
 
-/// Motions that grow faster than this part of their `|s|` run away: what is less is the round-off of a double root.
-const GROWS: f64 = 1e-6;
-
-/// Whether a motion whose root has this real part and this size runs away.
-pub(super) fn grows(real: f64, size: f64) -> bool {
-    real > GROWS * size
-}
-
 /// How many motions run away: at least those along which the stiffness is negative, more if something feeds them, as a motor that
 /// pushes with the speed does.
 pub(in crate::statics) fn runaway(damped: &[DampedMode], unstable: usize) -> usize {
-    damped.iter().filter(|mode| mode.damping_ratio < -GROWS).count().max(unstable)
+    damped.iter().filter(|mode| mode.decay_rate < 0.0).count().max(unstable)
 }
 
-/// Growth rates of the damped motion for the modes that run away.
+/// Growth rates of the damped motion for the modes along which the stiffness is negative, or if something feeds others for those.
 pub(in crate::statics) fn grow(modes: &mut [NaturalMode], damped: &[DampedMode], unstable: usize) {
+    if runaway(damped, unstable) > unstable {
+        return label(modes, damped);
+    }
     let mut rates: Vec<f64> = damped.iter().map(|mode| -mode.decay_rate).collect();
     rates.sort_by(|a, b| b.total_cmp(a));
     for (mode, rate) in modes.iter_mut().take(unstable).zip(rates) {
@@ -222,14 +182,23 @@ pub(in crate::statics) fn grow(modes: &mut [NaturalMode], damped: &[DampedMode],
     }
 }
 
-/// Of loads without a potential the damped motion alone says what grows: undamped, such loads feed pairs of motions of nearly one
-/// frequency however small they are.
-pub(in crate::statics) fn still(modes: &mut [NaturalMode], damped: &[DampedMode]) {
-    // One that swings is a pair of roots, as it is a pair of modes.
-    let twice = |mode: &DampedMode| std::iter::repeat_n(-mode.decay_rate, if mode.frequency_hz > 0.0 { 2 } else { 1 });
-    let mut rates: Vec<f64> = damped.iter().filter(|mode| mode.damping_ratio < -GROWS).flat_map(twice).collect();
-    rates.sort_by(|a, b| b.total_cmp(a));
-    let mut rates = rates.into_iter();
-    modes.iter_mut().for_each(|mode| mode.growth_rate = rates.next().unwrap_or(0.0));
-    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+/// Of loads without a potential, of steady motions and of what is fed the damped motion alone says what grows: undamped, such loads feed
+/// pairs of motions of nearly one frequency however small they are. A damped mode that grows is the undamped one whose root is nearest to
+/// its own, the fastest first; each keeps its undamped frequency.
+pub(in crate::statics) fn label(modes: &mut [NaturalMode], damped: &[DampedMode]) {
+    let undamped: Vec<[f64; 2]> = modes.iter().map(|mode| [mode.growth_rate, mode.frequency_hz]).collect();
+    let mut growing: Vec<&DampedMode> = damped.iter().filter(|mode| mode.decay_rate < 0.0).collect();
+    growing.sort_by(|a, b| a.decay_rate.total_cmp(&b.decay_rate));
+    let mut left: Vec<usize> = (0..modes.len()).collect();
+    modes.iter_mut().for_each(|mode| mode.growth_rate = 0.0);
+    for mode in growing {
+        let away = |k: &usize| {
+            let [growth, hertz] = undamped[*k];
+            (growth + mode.decay_rate).hypot(std::f64::consts::TAU * (hertz - mode.frequency_hz))
+        };
+        let nearest = (0..left.len()).min_by(|a, b| away(&left[*a]).total_cmp(&away(&left[*b])));
+        let Some(nearest) = nearest else { break };
+        modes[left.swap_remove(nearest)].growth_rate = -mode.decay_rate;
+    }
+    sort_natural(modes);
 }

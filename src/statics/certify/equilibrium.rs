@@ -157,11 +157,11 @@ pub(in crate::statics) fn certify(
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
     let model = &Arc::clone(landscape.model());
-    let free = landscape.free.clone();
+    let (free, steady, rest) = (landscape.free.clone(), landscape.steady.clone(), vec![0.0; model.velocity_count()]);
     let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
     let factorizations = landscape.factorizations + effort.factorizations;
-    let (steady, rest) = (landscape.steady.clone(), vec![0.0; model.velocity_count()]);
-    notes.extend(closed::notes(&landscape));
+    let shared = landscape.shared(&place.q);
+    notes.extend(closed::notes(&landscape, shared.as_ref()));
     let balanced = place.is_balanced();
     let (residual_acceleration, stability) = match landscape.ties.is_some() {
         true => {
@@ -175,11 +175,12 @@ pub(in crate::statics) fn certify(
         }
     };
     let system = landscape.system();
-    let rows = system.constraints();
-    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
+    let (carried, redundant) =
+        system.constraints().map(|rows| (rows.by_element(), rows.redundant())).unwrap_or_default();
     let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
     let mut at = system.at(0.0, &place.q, &steady);
     at.share_multipliers()?;
+    shared.iter().for_each(|shared| at.share_with_others(&shared.rows));
     let loops = at.loop_reactions();
     let (mut residual, mut poses, mut reactions) = (rest.clone(), Vec::new(), Vec::new());
     let at_rest = at.residual(&rest, &mut residual)?;
@@ -188,19 +189,18 @@ pub(in crate::statics) fn certify(
     let balanced = of_beams.as_ref().is_some_and(|judged| judged.hold);
     notes.splice(0..0, of_beams.into_iter().flat_map(|judged| judged.notes));
     at.poses(&mut poses);
+    notes.extend(shared.filter(|_| balanced).and_then(|shared| closed::shared_note(model, &shared, &loops)));
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
-    let holding: Vec<(String, f64)> =
-        (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
+    let holding = holding(model, &residual);
     notes.extend(balanced.then(|| round_off_note(&place)).flatten());
-    let by_size = |a: &usize, b: &usize| place.force[*a].abs().total_cmp(&place.force[*b].abs());
-    let largest = (0..place.force.len()).max_by(by_size);
+    let largest = largest(&place.force);
     let stability = stability.filter(|_| balanced);
     notes.extend(stability.as_ref().and_then(|stability| stability.flutter_note(model)));
-    let verdict = stability.as_ref().map(|s| s.verdict);
-    if verdict == Some(StabilityVerdict::Unstable) && settings.want == Want::Stable {
+    let is_unstable = stability.as_ref().is_some_and(|stability| stability.verdict == StabilityVerdict::Unstable);
+    if is_unstable && settings.want == Want::Stable {
         notes.push(ONLY_UNSTABLE.to_owned());
     }
-    let kind = settings.want == Want::Any || verdict != Some(StabilityVerdict::Unstable);
+    let kind = settings.want == Want::Any || !is_unstable;
     Ok(Equilibrium {
         converged: balanced && kind,
         balanced,
@@ -236,6 +236,16 @@ pub(in crate::statics) fn certify(
         multiplier_reactions: by_body(model, &effort.reactions),
         history,
     })
+}
+
+/// What locked coordinates have to hold.
+fn holding(model: &Model, residual: &[f64]) -> Vec<(String, f64)> {
+    (0..residual.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect()
+}
+
+/// Where the largest force is.
+fn largest(force: &[f64]) -> Option<usize> {
+    (0..force.len()).max_by(|a, b| force[*a].abs().total_cmp(&force[*b].abs()))
 }
 
 /// Reactions of the links that carry a named hinge, by body; welded bodies have none.

@@ -10,7 +10,7 @@
 //! but swings, it strikes the stops that it comes back to, and what impacts leave of it is not known here.
 
 use super::copositive::MOST_ENUMERATED;
-use super::damped;
+use super::motion::{LinearMotion, Root};
 use super::sides::{Beyond, Leaving, Sided, Sides, cones};
 use crate::dynamics::{Fault, Linearization};
 use crate::round_off::EIGENVECTOR;
@@ -56,7 +56,7 @@ impl Along {
         Ok(Self { linear, sizes: sizes(along.as_ref(), magnitude), along })
     }
 
-    fn row(&self, free: &[f64]) -> Vec<f64> {
+    pub(super) fn row(&self, free: &[f64]) -> Vec<f64> {
         let Some(z) = &self.along else { return free.to_vec() };
         (0..z.ncols()).map(|j| free.iter().enumerate().map(|(i, a)| z[(i, j)] * a).sum()).collect()
     }
@@ -159,12 +159,11 @@ impl Piece<'_> {
         let Some(basis) = self.along_held() else { return Motion::ComesBack };
         let reduced = |m: &Mat<f64>| basis.transpose() * m * &basis;
         let Linearization { stiffness, damping, mass } = self.linear;
-        let mass = reduced(mass).partial_piv_lu();
-        let (k, c) = (mass.solve(reduced(stiffness)), mass.solve(reduced(damping)));
+        let linear = Linearization { stiffness: reduced(stiffness), damping: reduced(damping), mass: reduced(mass) };
         let (mut swings, mut stays) = (false, None);
-        for (root, [real, _]) in damped::roots(&k, &c, basis.ncols()) {
+        for Root { value: root, parts: [real, _] } in LinearMotion::open(&linear).roots() {
             let size = root.re.hypot(root.im);
-            let grows = damped::grows(root.re, size);
+            let grows = root.re > 0.0;
             if root.im != 0.0 {
                 swings |= grows;
                 continue;

@@ -5,7 +5,8 @@
 //! | `equilibrium` | the equilibrium with its certificate; what is not balanced is named in `unbalanced` |
 //! | `beams` | whether the balance of a beam's elements is one of the beam |
 //! | `stability`, `modes` | how many directions leave it or have zero stiffness, and its natural modes; of large systems in `subspace` |
-//! | `damped` | damped modes, by the pairs of `eigen` |
+//! | `motion` | roots of the linearized motion, by its energy or by the pairs of `eigen`, and which grow |
+//! | `damped` | damped modes, and the modes of steady motions and of loads without a potential |
 //! | `known` | what is known of a stiffness that is small beside its terms |
 //! | `closed` | with loops, drives and gears: motions along the closed positions |
 //! | `bearing` | which stops bear, and the scene in which they do |
@@ -27,6 +28,7 @@ pub(super) mod growing;
 mod kinks;
 pub(super) mod known;
 pub(super) mod modes;
+pub(super) mod motion;
 mod rays;
 pub(super) mod sided;
 pub(super) mod sides;

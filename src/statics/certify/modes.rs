@@ -10,6 +10,9 @@ pub struct NaturalMode {
     pub frequency_hz: f64,
     /// Growth rate (1/s) of one that runs away, else 0.
     pub growth_rate: f64,
+    /// Whether it swings, or stays, without damping: it may run away with damping that feeds it. One that does not grows without
+    /// damping, or decays where its mirror image grows.
+    pub swings: bool,
     /// Shape, one number per free coordinate, largest 1.
     pub shape: Vec<f64>,
     /// Bodies whose hinges carry it and their share of its kinetic energy, largest first.

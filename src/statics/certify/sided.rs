@@ -15,17 +15,19 @@
 //! Other loads are judged by their motion, see `growing`.
 
 use super::copositive;
-use super::growing;
+use super::growing::{self, Along};
+use super::motion::{LinearMotion, is_fed};
 use super::rays::rays;
 use super::sides::{Beyond, Leaving, Sided, Sides, cones};
 use super::stability::MOST_DENSE;
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Fault, Linearization, System};
 use crate::model::Model;
+use crate::round_off::EIGENVECTOR;
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
-use crate::statics::problem::sizes::{NEUTRAL, comparable, symmetric};
-use faer::Mat;
+use crate::statics::problem::sizes::{NEUTRAL, comparable, count_by_stiffness, symmetric};
 use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 use std::sync::Arc;
 
 /// `μ` of (2): with the largest that leaves a fall what leaves a row and what follows it are of one size. `S` errs by the square of it, and
@@ -43,24 +45,74 @@ pub(in crate::statics) fn look(model: &Arc<Model>, q: &[f64], sided: &[Sided]) -
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, q)?;
     let place = Place::at(&mut landscape, q.to_vec())?;
-    let mut at = vec![usize::MAX; landscape.steady.len()];
-    landscape.free.iter().enumerate().for_each(|(row, i)| at[*i] = row);
-    let spread = |one: &Sided| {
-        let mut full = vec![0.0; landscape.free.len()];
-        one.row.iter().filter(|(i, _)| at[*i] != usize::MAX).for_each(|(i, value)| full[at[*i]] = *value);
-        full
-    };
-    let all: Vec<Vec<f64>> = sided.iter().map(spread).collect();
+    let all = spread(&landscape, sided);
     let Some(rows) = Rows::of(&mut landscape, q, &all)? else { return Ok(Sides::Hold) };
     let sided: Vec<Sided> = rows.kept.iter().map(|index| sided[*index].clone()).collect();
     if landscape.conservative && landscape.steady.iter().all(|v| *v == 0.0) {
-        let found = fall(&mut landscape, &place, &rows, &sided)?;
-        return Ok(found.map_or(Sides::Hold, Sides::Leave));
+        return fall(&mut landscape, &place, &rows, &sided);
     }
     if landscape.free.len() > MOST_DENSE {
         return Ok(Sides::Unknown);
     }
     growing::look(&mut landscape, &place, (&rows.all, &rows.sizes), &sided)
+}
+
+/// How many motions along all rows run away and how many have no stiffness, at a balance of a model without stops; `None` if it is too
+/// large to be looked at, or if something feeds a motion about a balance of loads that have a potential: [`look`] goes by that alone.
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub(in crate::statics) fn along_all(
+    model: &Arc<Model>,
+    q: &[f64],
+    sided: &[Sided],
+) -> Result<Option<(usize, usize)>, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, q)?;
+    if landscape.free.len() > MOST_DENSE {
+        return Ok(None);
+    }
+    let place = Place::at(&mut landscape, q.to_vec())?;
+    let moving = Along::at(&mut landscape, q, &place.scales.stiffness)?;
+    let by_potential = landscape.conservative && landscape.steady.iter().all(|v| *v == 0.0);
+    if by_potential && is_fed(&moving.linear) {
+        return Ok(None);
+    }
+    let root: Vec<f64> = comparable(&moving.sizes).iter().map(|size| size.sqrt()).collect();
+    let n = root.len();
+    // In coordinates in which the sizes are one, rows of unit length.
+    let scaled = |full: &Vec<f64>| {
+        let row: Vec<f64> = moving.row(full).iter().zip(&root).map(|(a, root)| a / root).collect();
+        let length = row.iter().map(|a| a * a).sum::<f64>().sqrt();
+        (length > 0.0).then(|| row.iter().map(|a| a / length).collect::<Vec<f64>>())
+    };
+    let rows: Vec<Vec<f64>> = spread(&landscape, sided).iter().filter_map(scaled).collect();
+    let squares = Mat::from_fn(n, n, |i, j| rows.iter().map(|row| row[i] * row[j]).sum::<f64>());
+    let Ok(eigen) = squares.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
+    let left: Vec<usize> = (0..n).filter(|k| eigen.S()[*k] <= EIGENVECTOR.of(rows.len() as f64)).collect();
+    if left.is_empty() {
+        return Ok(Some((0, 0)));
+    }
+    let basis = Mat::from_fn(n, left.len(), |i, j| eigen.U()[(i, left[j])] / root[i]);
+    let along = |m: &Mat<f64>| basis.transpose() * m * &basis;
+    let Linearization { stiffness, damping, mass } = &moving.linear;
+    let stiffness = along(stiffness);
+    Ok(Some(match by_potential {
+        true => count_by_stiffness(&symmetric(&stiffness), &vec![1.0; left.len()]),
+        false => LinearMotion::open(&Linearization { stiffness, damping: along(damping), mass: along(mass) }).count(),
+    }))
+}
+
+/// The rows over free coordinates.
+fn spread(landscape: &Landscape<'_>, sided: &[Sided]) -> Vec<Vec<f64>> {
+    let mut at = vec![usize::MAX; landscape.steady.len()];
+    landscape.free.iter().enumerate().for_each(|(row, i)| at[*i] = row);
+    let one = |one: &Sided| {
+        let mut full = vec![0.0; landscape.free.len()];
+        one.row.iter().filter(|(i, _)| at[*i] != usize::MAX).for_each(|(i, value)| full[at[*i]] = *value);
+        full
+    };
+    sided.iter().map(one).collect()
 }
 
 /// Rows that some motion changes, each of the size of one in the metric, and which of them are linearly independent.
@@ -130,8 +182,8 @@ fn independent(gram: &Mat<f64>) -> Vec<usize> {
     basis
 }
 
-/// A motion that (4) says leaves: one that falls, or else one that stays as it is.
-fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Option<Leaving>, Fault> {
+/// What (4) says: a motion that leaves is one that falls, or else one that stays as it is.
+fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Sided]) -> Result<Sides, Fault> {
     landscape.look(&place.q)?;
     // Where nothing has any stiffness all sizes are as good.
     let sizes = match place.scales.stiffness.iter().all(|size| *size == 0.0) {
@@ -142,7 +194,7 @@ fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Side
     for slack in SLACKS {
         let Some(seen) = Seen::of(landscape, rows, &sizes, slack) else { continue };
         if let Some(v) = seen.violation(rows, sided, NEUTRAL) {
-            return Ok(Some(seen.leaving(landscape, rows, sided, &v, true)));
+            return Ok(Sides::Leave(seen.leaving(landscape, rows, sided, &v, true)));
         }
         all.push(seen);
     }
@@ -150,7 +202,9 @@ fn fall(landscape: &mut Landscape<'_>, place: &Place, rows: &Rows, sided: &[Side
         let v = seen.violation(rows, sided, -NEUTRAL)?;
         Some(seen.leaving(landscape, rows, sided, &v, false))
     };
-    Ok(all.iter().find_map(stays))
+    // Nothing is seen through a stiffness that is singular with both.
+    let otherwise = if all.is_empty() { Sides::Unknown } else { Sides::Hold };
+    Ok(all.iter().find_map(stays).map_or(otherwise, Sides::Leave))
 }
 
 /// (2) and (3).

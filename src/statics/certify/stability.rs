@@ -6,12 +6,11 @@
 //! decide.
 
 use super::damped::{self, DampedMode};
-use super::eigen;
 use super::modes::{NaturalMode, momentum, rates_of, scaled, shares};
+use super::motion::LinearMotion;
 use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
-use crate::round_off::DOUBLE_ROOT;
-use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
+use crate::statics::problem::sizes::{count_by_stiffness, symmetric};
 use crate::statics::problem::{Across, DENSE, Looked, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
 use std::sync::Arc;
@@ -97,9 +96,16 @@ impl Stability {
         })
     }
 
-    /// Natural frequencies of the undamped motion (Hz), ascending: of the modes that do not run away.
+    /// The modes that swing, or stay, without damping: by frequency.
+    pub fn swinging(&self) -> Vec<&NaturalMode> {
+        let mut found: Vec<&NaturalMode> = self.modes.iter().filter(|mode| mode.swings).collect();
+        found.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        found
+    }
+
+    /// Natural frequencies of the undamped motion (Hz), ascending: of the modes that do not run away without damping.
     pub fn frequencies(&self) -> impl Iterator<Item = f64> {
-        self.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz)
+        self.swinging().into_iter().map(|mode| mode.frequency_hz)
     }
 }
 
@@ -132,22 +138,25 @@ pub(in crate::statics) fn classify(
     if free.is_empty() {
         return Ok(Stability::of(0, 0, Vec::new(), Vec::new()));
     }
-    let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
-        true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
-        false => count_by_motion(&linear),
+    // Without damping loads with a potential need their stiffness alone.
+    let motion = (!conservative || model.has_damping()).then(|| LinearMotion::new(&linear, magnitude));
+    let (unstable, neutral) = counted.unwrap_or_else(|| match &motion {
+        Some(motion) if !conservative => motion.count(),
+        _ => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
     });
-    let mut modes = match conservative {
-        true => undamped_modes(model, free, &linear, unstable, neutral),
-        false => unsymmetric_modes(model, free, &linear),
+    let mut modes = match &motion {
+        Some(motion) if !conservative => damped::natural(model, free, motion, &linear.mass, &|part| part),
+        _ => undamped_modes(model, free, &linear, unstable, neutral),
     };
     if conservative && unstable + neutral == 0 && free.len() == rest.len() {
         sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
     }
-    let damped = if model.has_damping() { damped::modes(model, free, &linear) } else { Vec::new() };
+    let damped = motion.filter(|_| model.has_damping());
+    let damped = damped.map_or(Vec::new(), |motion| damped::modes(model, free, &motion, &linear.mass, &|part| part));
     match conservative {
         _ if damped.is_empty() => {}
         true => damped::grow(&mut modes, &damped, unstable),
-        false => damped::still(&mut modes, &damped),
+        false => damped::label(&mut modes, &damped),
     }
     Ok(Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped))
 }
@@ -172,66 +181,13 @@ pub(in crate::statics) fn classify_by_sweeps(
     let modes = modes.map(|(i, ((value, shape), momentum))| {
         let (frequency_hz, growth_rate) = rates_of(value, i, unstable, found.neutral_modes);
         let shares = shares(model, free, momentum, &shape);
-        NaturalMode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+        NaturalMode { frequency_hz, growth_rate, swings: growth_rate == 0.0, shape: scaled(&shape), shares }
     });
     let mut modes: Vec<NaturalMode> = modes.collect();
     if !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
     Ok(Stability::of(damped::runaway(&damped, unstable), neutral, modes, damped))
-}
-
-pub(in crate::statics) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
-    let n = magnitude.len();
-    let scaled = relative(stiffness, magnitude);
-    let values = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_else(|_| vec![f64::NAN; n]);
-    let unstable = values.iter().filter(|x| **x < -NEUTRAL).count();
-    let neutral = values.iter().filter(|x| x.abs() <= NEUTRAL || x.is_nan()).count();
-    (unstable, neutral)
-}
-
-/// Growth rates of the linearized motion `M ẍ + C ẋ + K x = 0`, largest first.
-fn rates(linear: &Linearization) -> Vec<faer::c64> {
-    let n = linear.mass.nrows();
-    let lu = linear.mass.partial_piv_lu();
-    use faer::linalg::solvers::Solve;
-    let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
-    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-        (true, true) => 0.0,
-        (true, false) => f64::from(u8::from(i + n == j)),
-        (false, true) => -k[(i - n, j)],
-        (false, false) => -c[(i - n, j - n)],
-    });
-    let mut values = first_order.eigenvalues().unwrap_or_default();
-    values.sort_by(|a, b| b.re.total_cmp(&a.re));
-    values
-}
-
-/// How many motions grow, and how many neither grow nor swing.
-pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
-    if linear.damping.norm_max() == 0.0 {
-        return count_undamped(linear);
-    }
-    let values = rates(linear);
-    let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
-    let limit = DOUBLE_ROOT.of(largest);
-    let unstable = values.iter().filter(|x| x.re > limit).count();
-    let neutral = values.iter().filter(|x| x.re.hypot(x.im) <= limit).count();
-    (unstable, neutral.div_ceil(2))
-}
-
-/// Growing motions without damping, from half as many equations: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`.
-fn count_undamped(linear: &Linearization) -> (usize, usize) {
-    use faer::linalg::solvers::Solve;
-    let values = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigenvalues().unwrap_or_default();
-    let size = |x: &faer::c64| x.re.hypot(x.im);
-    let largest = values.iter().map(size).fold(0.0, f64::max).sqrt();
-    let limit = DOUBLE_ROOT.of(largest);
-    // The real part of √(−λ) that is not negative.
-    let growth = |x: &faer::c64| (0.5 * (size(x) - x.re)).max(0.0).sqrt();
-    let unstable = values.iter().filter(|x| growth(x) > limit).count();
-    let neutral = values.iter().filter(|x| size(x).sqrt() <= limit).count();
-    (unstable, neutral)
 }
 
 /// Undamped modes `K x = λ M x`. Small eigenvalues are taken from the inverse problem where that is more accurate:
@@ -264,37 +220,9 @@ fn undamped_modes(
             let momentum = momentum(&linear.mass, &shape);
             let shares = shares(model, free, &momentum, &shape);
             let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
-            NaturalMode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+            NaturalMode { frequency_hz, growth_rate, swings: growth_rate == 0.0, shape: scaled(&shape), shares }
         })
         .collect()
-}
-
-/// Undamped modes where loads have no potential: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`. A complex pair is flutter:
-/// it swings and grows.
-fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<NaturalMode> {
-    use faer::linalg::solvers::Solve;
-    let n = linear.mass.nrows();
-    let Some(pairs) = eigen::pairs(&linear.mass.partial_piv_lu().solve(&linear.stiffness)) else { return Vec::new() };
-    let value = |i: usize| pairs[i].0;
-    let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
-    let noise = DOUBLE_ROOT.of(largest.sqrt());
-    let mut modes: Vec<NaturalMode> = (0..n)
-        .map(|i| {
-            // s = √(−λ) with the real part that is not negative.
-            let size = value(i).re.hypot(value(i).im);
-            let growth = (0.5 * (size - value(i).re)).max(0.0).sqrt();
-            let rate = (0.5 * (size + value(i).re)).max(0.0).sqrt();
-            let shape: Vec<f64> = pairs[i].1.iter().map(|x| x.re).collect();
-            NaturalMode {
-                frequency_hz: if rate > noise { rate / std::f64::consts::TAU } else { 0.0 },
-                growth_rate: if growth > noise { growth } else { 0.0 },
-                shares: shares(model, free, &momentum(&linear.mass, &shape), &shape),
-                shape: scaled(&shape),
-            }
-        })
-        .collect();
-    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
-    modes
 }
 
 /// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge

@@ -12,8 +12,9 @@ use std::sync::Arc;
 /// # Errors
 /// The element whose numbers are not finite.
 pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> Result<String, Fault> {
-    let (_, largest) = place.residual();
-    if let (Some(taut), Some(worst)) = (landscape.taut(place)?, largest) {
+    let largest = place.most_unbalanced(|free| landscape.unit(free));
+    if let (Some(taut), Some(largest)) = (landscape.taut(place)?, largest) {
+        let worst = taut.worst.unwrap_or(largest);
         let names = taut.names.join(", ");
         return Ok(format!(
             "nothing balances {}: it acts across {names}, which are taut there and bear no finite force that way: rows that are \

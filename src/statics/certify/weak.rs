@@ -3,9 +3,9 @@
 use super::bearing::{self, PULLS, Set, unit};
 use super::equilibrium::{Equilibrium, ONLY_UNSTABLE};
 use super::kinks;
-use super::sided::look;
+use super::sided::{along_all, look};
 use super::sides::{Beyond, Leaving, Sided, Sides};
-use super::stability::StabilityVerdict;
+use super::stability::{Stability, StabilityVerdict};
 use crate::dynamics::Fault;
 use crate::model::{Model, Side, Stop, StopLaw};
 use crate::round_off::ON_A_LIMIT;
@@ -55,6 +55,54 @@ pub(in crate::statics) struct Around {
     pub kinks: Vec<String>,
 }
 
+/// What is one-sided at a balance, in the scene in which the stops that press bear.
+struct OneSided {
+    pressed: Set,
+    sided: Vec<Sided>,
+    freed: Arc<Model>,
+    q: Vec<f64>,
+}
+
+impl OneSided {
+    /// `None` if nothing is.
+    fn of(
+        model: &Arc<Model>,
+        set: &Set,
+        q: &[f64],
+        load: &dyn Fn(usize, Side) -> [f64; 2],
+    ) -> Result<Option<Self>, Fault> {
+        let (pressed, mut sided) = idle(model, set, q, load);
+        sided.extend(kinks::at(model, q)?);
+        if sided.is_empty() {
+            return Ok(None);
+        }
+        let freed = bearing::with(model, &pressed, q);
+        Ok(freed.map(|(freed, q)| Self { pressed, sided, freed, q }))
+    }
+
+    fn around(self) -> Result<Around, Fault> {
+        let mut kinks: Vec<String> = Vec::new();
+        for one in &self.sided {
+            if matches!(one.beyond, Beyond::Stiffness(_)) && !kinks.contains(&one.name) {
+                kinks.push(one.name.clone());
+            }
+        }
+        let sides = look(&self.freed, &self.q, &self.sided)?;
+        Ok(Around { pressed: self.pressed, sides, kinks })
+    }
+
+    /// Of a balance that runs away with the stiffness of one side of everything: how many motions have no stiffness that stay on no
+    /// side, if none of these runs away and no motion needs to be on that side. Of one kink every motion or its opposite is on it.
+    fn side_of_no_motion(&self) -> Result<Option<usize>, Fault> {
+        let kinks = self.sided.iter().filter(|one| matches!(one.beyond, Beyond::Stiffness(_))).count();
+        if kinks < 2 {
+            return Ok(None);
+        }
+        let along = along_all(&self.freed, &self.q, &self.sided)?;
+        Ok(along.filter(|(unstable, _)| *unstable == 0).map(|(_, neutral)| neutral))
+    }
+}
+
 /// Looks to all sides of a balance on the stops of a set; `load` is what each of them bears, and the size of the forces there. `None`
 /// if nothing is one-sided.
 ///
@@ -66,24 +114,12 @@ pub(in crate::statics) fn around(
     q: &[f64],
     load: &dyn Fn(usize, Side) -> [f64; 2],
 ) -> Result<Option<Around>, Fault> {
-    let (pressed, mut sided) = idle(model, set, q, load);
-    sided.extend(kinks::at(model, q)?);
-    if sided.is_empty() {
-        return Ok(None);
-    }
-    let Some((freed, q)) = bearing::with(model, &pressed, q) else { return Ok(None) };
-    let mut kinks: Vec<String> = Vec::new();
-    for one in &sided {
-        if matches!(one.beyond, Beyond::Stiffness(_)) && !kinks.contains(&one.name) {
-            kinks.push(one.name.clone());
-        }
-    }
-    let sides = look(&freed, &q, &sided)?;
-    Ok(Some(Around { pressed, sides, kinks }))
+    OneSided::of(model, set, q, load)?.map(OneSided::around).transpose()
 }
 
 /// Looks to all sides of an equilibrium that does not run away on the one that its stiffness is of: if something runs away on
-/// another it is unstable, and if nothing brings it back there it is neutral. Gives what leaves it.
+/// another it is unstable, and if nothing brings it back there it is neutral. Of one that does run away it is asked whether some motion
+/// is on that side: at several kinks it may be none. Gives what leaves it.
 ///
 /// # Errors
 /// The element whose numbers are not finite.
@@ -92,10 +128,9 @@ pub(in crate::statics) fn examine(
     settings: &Settings,
     found: &mut Equilibrium,
 ) -> Result<Option<(Leaving, Set)>, Fault> {
-    let holds = found.stability.as_ref().is_some_and(|one| one.verdict != StabilityVerdict::Unstable);
-    if !(found.balanced && holds) {
+    let Some(verdict) = found.stability.as_ref().map(|one| one.verdict).filter(|_| found.balanced) else {
         return Ok(None);
-    }
+    };
     let set = bearing::borne(model, found);
     let Some((bearing, _)) = bearing::with(model, &set, &found.position) else { return Ok(None) };
     let (held, sizes) = bearing::held(&bearing, found)?;
@@ -103,7 +138,21 @@ pub(in crate::statics) fn examine(
         let stop = &model.stops[index];
         [bearing::load(stop, side, &found.position, &held), sizes[stop.velocity]]
     };
-    let Some(Around { pressed, sides, kinks }) = around(model, &set, &found.position, &load)? else { return Ok(None) };
+    let Some(one_sided) = OneSided::of(model, &set, &found.position, &load)? else { return Ok(None) };
+    let falls = verdict == StabilityVerdict::Unstable;
+    let (Around { pressed, sides, kinks }, neutral) = match falls {
+        false => (one_sided.around()?, None),
+        true => {
+            let Some(neutral) = one_sided.side_of_no_motion()? else { return Ok(None) };
+            (one_sided.around()?, Some(neutral))
+        }
+    };
+    if let Some(neutral) = neutral {
+        if matches!(sides, Sides::Unknown | Sides::Swing) {
+            return Ok(None);
+        }
+        held_by_others(found, settings, neutral);
+    }
     let Some(stability) = &mut found.stability else { return Ok(None) };
     match sides {
         Sides::Leave(leaving) if leaving.falls => {
@@ -123,11 +172,7 @@ pub(in crate::statics) fn examine(
         Sides::Hold => {}
         Sides::Swing => {
             stability.supposes = Some("impacts end what swings and grows off stops that bear nothing");
-            found.notes.push(
-                "off stops that bear nothing the motion swings and grows until it strikes them: what impacts leave of it is not \
-                 judged; a run shows it"
-                    .to_owned(),
-            );
+            found.notes.push(SWINGS.to_owned());
         }
         Sides::Unknown => {
             stability.supposes = Some("nothing leaves stops that bear nothing, or crosses kinks of forces");
@@ -140,6 +185,25 @@ pub(in crate::statics) fn examine(
         ));
     }
     Ok(None)
+}
+
+/// What is said of motions that swing and grow until they strike.
+const SWINGS: &str = "off stops that bear nothing the motion swings and grows until it strikes them: what impacts leave of it is not \
+                      judged; a run shows it";
+
+/// The verdict on an equilibrium whose stiffness is that of a side on which no motion is: what all sides say comes next.
+fn held_by_others(found: &mut Equilibrium, settings: &Settings, neutral: usize) {
+    let Some(stability) = &mut found.stability else { return };
+    let supposes = stability.supposes;
+    *stability = Stability { supposes, ..Stability::of(0, neutral, Vec::new(), Vec::new()) };
+    if settings.want == Want::Stable {
+        found.notes.retain(|note| note != ONLY_UNSTABLE);
+        found.converged = true;
+    }
+    found.notes.push(
+        "kinks of forces meet here, and their sides depend on each other: no frequencies are told of a side on which no motion is"
+            .to_owned(),
+    );
 }
 
 impl Leaving {

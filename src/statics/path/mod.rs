@@ -25,6 +25,7 @@ use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use stops::Beginning;
 use trace::{OffStops, Seed, StopChange, Tracer, seeds};
 
 /// Branches that are followed, the first one included.
@@ -186,10 +187,32 @@ impl Change {
     }
 
     /// Its first point, beside this one of its parent.
-    fn seed(&self, tracer: &mut Tracer<'_>, point: &PathPoint, parent: (usize, usize)) -> Option<Seed> {
+    fn seed(&self, tracer: &mut Tracer<'_>, point: &PathPoint, parent: (usize, usize)) -> Beginning {
         match self {
-            Self::Stop(change) => tracer.onward(change, parent),
+            Self::Stop(change) => {
+                tracer.onward(change, parent).map_or(Beginning::Nowhere, |seed| Beginning::At(Box::new(seed)))
+            }
             Self::Off(off) => tracer.leaving(off, point, parent),
+        }
+    }
+
+    /// Where its branch begins, with a tracer for the stops that bear on it; each that closes there is taken into the set.
+    fn begin<'t>(
+        &mut self,
+        point: &PathPoint,
+        parent: (usize, usize),
+        tracer: &mut dyn FnMut(&Set) -> Result<Tracer<'t>, String>,
+    ) -> Result<(Tracer<'t>, Option<Seed>), String> {
+        loop {
+            let mut tracer = tracer(self.set())?;
+            match self.seed(&mut tracer, point, parent) {
+                Beginning::At(seed) => return Ok((tracer, Some(*seed))),
+                Beginning::Nowhere => return Ok((tracer, None)),
+                Beginning::Closes(index, side) => match self {
+                    Self::Stop(change) => change.set[index] = Some(side),
+                    Self::Off(off) => off.set[index] = Some(side),
+                },
+            }
         }
     }
 
@@ -253,10 +276,13 @@ pub fn follow(
     let mut sets: Vec<Set> = Vec::new();
     loop {
         let Some(seed) = queue.pop_front() else {
-            let Some((change, parent)) = changes.pop_front() else { break };
+            let Some((mut change, parent)) = changes.pop_front() else { break };
             let point = path.branches[parent.0].points[parent.1].clone();
-            tracer = Tracer::new(family(point.parameter, &point.position, change.set().clone())?, settings);
-            let seed = change.seed(&mut tracer, &point, parent);
+            let mut with = |set: &Set| {
+                family(point.parameter, &point.position, set.clone()).map(|moving| Tracer::new(moving, settings))
+            };
+            let (next, seed) = change.begin(&point, parent, &mut with)?;
+            tracer = next;
             if seed.is_none() {
                 path.complete &= matches!(change, Change::Off(_));
                 path.notes.push(change.missing(&model, settings, point.parameter, parent.0));

@@ -8,6 +8,8 @@
 use super::PathPoint;
 use super::trace::{OffStops, Seed, StopChange, Tracer};
 use crate::model::{Side, Stop, StopLaw};
+use crate::round_off::EIGENVECTOR;
+use crate::statics::certify::bearing::Set;
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
 
@@ -31,6 +33,17 @@ fn clear(moving: &mut Moving<'_>, stop: &Stop, side: Side, bears: bool, point: &
         }
     }
 }
+
+/// How a branch begins.
+pub(super) enum Beginning {
+    At(Box<Seed>),
+    /// Not without this stop.
+    Closes(usize, Side),
+    Nowhere,
+}
+
+/// A point that the stops of a set do not hold.
+struct Untenable;
 
 impl Tracer<'_> {
     /// The first stop that a step comes to or lifts off.
@@ -61,24 +74,62 @@ impl Tracer<'_> {
         first
     }
 
-    /// The branch that leaves stops that bear nothing at a bifurcation, on the side that they leave open; if there is one.
-    pub(super) fn leaving(&mut self, off: &OffStops, point: &PathPoint, parent: (usize, usize)) -> Option<Seed> {
+    /// A set of stops with the rigid ones that are touched and that a direction does not leave: what they bear grows along it.
+    pub(super) fn staying(&mut self, mut set: Set, q: &[f64], direction: &[f64]) -> Set {
+        let least = EIGENVECTOR.of(direction.iter().fold(0.0, |most, x| most.max(x.abs())));
+        for index in 0..set.len() {
+            let stop = self.moving.stop(index);
+            let stays = stop.is_rigid() && direction[stop.velocity].abs() <= least;
+            let slack = SLACK * if self.moving.slides(stop.velocity) { self.moving.length() } else { 1.0 };
+            let touched = |side: &Side| stop.depth(*side, q).abs() <= slack.max(SLACK * stop.limit(*side).abs());
+            if set[index].is_none() && stays {
+                set[index] = stop.sides().find(touched);
+            }
+        }
+        set
+    }
+
+    /// The branch that leaves stops that bear nothing at a bifurcation, on the side that they leave open. Others that are touched there
+    /// may close on it: then it is another branch, with these in the set.
+    pub(super) fn leaving(&mut self, off: &OffStops, point: &PathPoint, parent: (usize, usize)) -> Beginning {
         let model = self.moving.model();
         let free = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock);
         let x = free.map(|i| off.direction[i]).collect();
-        let normal = self.moving.metric().unit(&Direction { x, parameter: 0.0 })?;
-        let seed = self.seed(&point.position, point.parameter, &normal, parent)?;
+        let Some(normal) = self.moving.metric().unit(&Direction { x, parameter: 0.0 }) else {
+            return Beginning::Nowhere;
+        };
+        let Some(seed) = self.seed(&point.position, point.parameter, &normal, parent) else {
+            return Beginning::Nowhere;
+        };
+        match self.passed(&seed.point, &point.position) {
+            Ok(None) => Beginning::At(Box::new(seed)),
+            Ok(Some((index, side))) => Beginning::Closes(index, side),
+            Err(Untenable) => Beginning::Nowhere,
+        }
+    }
+
+    /// The stop that a point is furthest beyond, of those that `from` touches.
+    fn passed(&mut self, point: &Point, from: &[f64]) -> Result<Option<(usize, Side)>, Untenable> {
         let set = self.moving.set().clone();
-        for index in (0..set.len()).filter(|index| set[*index].is_none()) {
+        let mut worst: Option<(f64, (usize, Side))> = None;
+        for (index, now) in set.iter().enumerate() {
             let stop = self.moving.stop(index);
-            for side in stop.sides() {
-                let [clear, slack] = clear(&mut self.moving, &stop, side, false, &seed.point).ok()?;
-                if clear < -slack {
-                    return None;
+            for side in stop.sides().filter(|side| now.is_none_or(|now| now == *side)) {
+                let [clear, slack] =
+                    clear(&mut self.moving, &stop, side, now.is_some(), point).map_err(|_| Untenable)?;
+                if clear >= -slack {
+                    continue;
+                }
+                // What bears would have to pull, or a stop is passed that is out of reach.
+                if now.is_some() || stop.depth(side, from) < -slack {
+                    return Err(Untenable);
+                }
+                if worst.is_none_or(|(most, _)| clear / slack < most) {
+                    worst = Some((clear / slack, (index, side)));
                 }
             }
         }
-        Some(seed)
+        Ok(worst.map(|(_, passed)| passed))
     }
 
     /// The branch that goes on after a change, if there is one.

@@ -244,7 +244,8 @@ impl<'a> Tracer<'a> {
         let mut carriers: Vec<String> = coordinates.iter().map(|i| self.moving.model().owner(*i).to_owned()).collect();
         carriers.dedup();
         let event = PathEvent { kind: EventKind::Bifurcation, directions: 1, carriers };
-        Some(Between { s, point, event: Some(event), wanted: false, off: Some(OffStops { set: pressed, direction }) })
+        let set = self.staying(pressed, &point.place.q, &direction);
+        Some(Between { s, point, event: Some(event), wanted: false, off: Some(OffStops { set, direction }) })
     }
 
     fn event(&mut self, s: f64, point: Point, kind: EventKind, directions: usize) -> Between {

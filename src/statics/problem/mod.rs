@@ -22,6 +22,7 @@ pub(in crate::statics) mod parts;
 pub(in crate::statics) mod place;
 mod prestress;
 mod row_space;
+pub(in crate::statics) mod shared;
 pub(in crate::statics) mod sizes;
 mod split;
 mod stiffness;

@@ -9,6 +9,9 @@ pub(in crate::statics) const BALANCED: f64 = 1e-10;
 /// A residual within this part of them needs no further step: a start like that is returned bit for bit.
 const EXACT: f64 = 1e-13;
 
+/// What is missing this part of the largest share is as much out of balance as that.
+const NEARLY: f64 = 0.1;
+
 /// Shift of a singular stiffness, relative to its largest curvature.
 pub(in crate::statics) const SHIFT: f64 = 1e-8;
 
@@ -37,6 +40,15 @@ impl Place {
     /// Largest unbalanced force relative to what cancels there or to `sizes`, whichever is larger.
     pub(in crate::statics) fn residual_beside(&self, sizes: &[f64]) -> f64 {
         self.worst(|i| self.share(i, self.scales.force[i].max(sizes[i]))).0
+    }
+
+    /// The largest force that is not balanced, in units of forces by `unit`: among those that are missing nearly as large a part of what
+    /// cancels there as any. Where next to nothing acts, round-off of what acts elsewhere is all of it.
+    pub(in crate::statics) fn most_unbalanced(&self, unit: impl Fn(usize) -> f64) -> Option<usize> {
+        let (worst, at) = self.residual();
+        let is_bad = |i: &usize| self.share(*i, self.scales.force[*i]) >= NEARLY * worst;
+        let bad = (0..self.force.len()).filter(is_bad);
+        bad.max_by(|i, j| (self.force[*i].abs() / unit(*i)).total_cmp(&(self.force[*j].abs() / unit(*j)))).or(at)
     }
 
     fn share(&self, i: usize, size: f64) -> f64 {

@@ -45,7 +45,7 @@ impl Landscape<'_> {
     /// the verdict depends on `α` of (1), and matrices take the place of sweeps.
     pub(in crate::statics) fn heed_prestress(&mut self, q: &[f64]) -> Result<(), Fault> {
         let is_open = self.ties.as_ref().is_some_and(|ties| ties.sweeps && ties.stiffens.is_none());
-        if !is_open || self.system.left_out_rows() == 0 {
+        if !is_open || self.system.left_out_rows() == 0 || !self.goes_on() {
             return Ok(());
         }
         let mut samples = Mat::zeros(self.free.len(), SAMPLES);
@@ -107,7 +107,7 @@ impl Landscape<'_> {
     }
 
     /// How far a free coordinate moves the scene per unit (m).
-    pub(super) fn unit(&self, free: usize) -> f64 {
+    pub(in crate::statics) fn unit(&self, free: usize) -> f64 {
         if self.slides[self.free[free]] { 1.0 } else { self.length }
     }
 

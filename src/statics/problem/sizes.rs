@@ -1,6 +1,6 @@
 //! Sizes of the terms that a stiffness is the sum of: compared with them it counts, or is round-off.
 
-use faer::Mat;
+use faer::{Mat, Side};
 
 /// A stiffness below this part of the terms it is the sum of counts as zero.
 pub(in crate::statics) const NEUTRAL: f64 = 1e-9;
@@ -28,4 +28,14 @@ pub(in crate::statics) fn sizes(z: Option<&Mat<f64>>, magnitude: &[f64]) -> Vec<
     let Some(z) = z else { return magnitude.to_vec() };
     let size = |j: usize| (0..z.nrows()).map(|i| z[(i, j)].powi(2) * magnitude[i]).sum::<f64>();
     (0..z.ncols()).map(size).collect()
+}
+
+/// How many directions a stiffness with terms of these sizes is negative along, and along how many it is zero.
+pub(in crate::statics) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+    let n = magnitude.len();
+    let scaled = relative(stiffness, magnitude);
+    let values = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_else(|_| vec![f64::NAN; n]);
+    let unstable = values.iter().filter(|x| **x < -NEUTRAL).count();
+    let neutral = values.iter().filter(|x| x.abs() <= NEUTRAL || x.is_nan()).count();
+    (unstable, neutral)
 }

@@ -21,6 +21,8 @@ pub(in crate::statics) struct Taut {
     pub(in crate::statics) names: Vec<String>,
     /// Whether they stop every motion.
     pub(in crate::statics) rigid: bool,
+    /// The free coordinate that moves across them with most of the force.
+    pub(in crate::statics) worst: Option<usize>,
 }
 
 impl Landscape<'_> {
@@ -42,11 +44,16 @@ impl Landscape<'_> {
         let moved = self.moved_squares(&x)[0];
         let count = self.system.self_stresses().min(MOST_STRESSES);
         let mut names: Vec<String> = Vec::new();
+        // Its parts, one for each coordinate.
+        let parts = Mat::from_fn(x.nrows(), x.nrows(), |i, j| if i == j { x[(i, 0)] } else { 0.0 });
+        let mut across = vec![0.0_f64; x.nrows()];
         for j in 0..count {
             let alone: Vec<f64> = (0..self.system.self_stresses()).map(|k| f64::from(u8::from(j == k))).collect();
             let stiffness = self.stress_stiffness(&place.q, &x, &alone)?[(0, 0)];
             if stiffness.abs() > NO_STIFFNESS / self.length * moved {
                 names.extend(self.system.stressed(j));
+                let of = self.stress_stiffness(&place.q, &parts, &alone)?;
+                across.iter_mut().enumerate().for_each(|(i, sum)| *sum += of[(i, i)].abs());
             }
         }
         names.sort_unstable();
@@ -57,7 +64,10 @@ impl Landscape<'_> {
         let sizes = self.moved_squares(&z);
         let down = Mat::from_fn(z.ncols(), z.ncols(), |i, j| if i == j { -sizes[i] } else { 0.0 });
         let rigid = self.certified(&place.q, &z, &down, &sizes)?.is_some();
-        Ok(Some(Taut { names, rigid }))
+        let least = NO_STIFFNESS / self.length * moved;
+        let work = |i: &usize| (place.force[*i] * x[(*i, 0)]).abs();
+        let worst = (0..across.len()).filter(|i| across[*i] > least).max_by(|a, b| work(a).total_cmp(&work(b)));
+        Ok(Some(Taut { names, rigid, worst }))
     }
 
     /// How far each motion moves the scene: sums of squares (m²).

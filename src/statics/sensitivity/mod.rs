@@ -16,6 +16,7 @@ mod adjoint;
 
 use super::certify::bearing::{self, Set};
 use super::certify::equilibrium::Equilibrium;
+use super::certify::stability::Stability;
 use super::family::Moving;
 use super::inverse::unit;
 use super::problem::assembled::Assembled;
@@ -230,8 +231,7 @@ fn of_name(
 
 /// Shape, in velocity coordinates, and frequency (Hz) of a mode, by its place among the frequencies; or why it has no derivative.
 fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f64), String> {
-    let modes: Vec<_> =
-        found.stability.iter().flat_map(|of| &of.modes).filter(|mode| mode.growth_rate == 0.0).collect();
+    let modes: Vec<_> = found.stability.iter().flat_map(Stability::swinging).collect();
     let Some(mode) = modes.get(index) else {
         return Err(match modes.len() {
             0 => "the equilibrium has no frequencies".to_owned(),

@@ -156,7 +156,9 @@ fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f6
             let (square, flutter) = (value.re, value.im.abs());
             // q̈ = −λ q: growth is the real part of √−λ.
             let root = ((square.hypot(flutter) - square) / 2.0).max(0.0).sqrt();
-            let growth_rate = if square < -zero || flutter > zero { root } else { 0.0 };
+            // Of a complex pair one grows, and one decays.
+            let grows = if flutter > zero { value.im < 0.0 } else { square < -zero };
+            let growth_rate = if grows { root } else { 0.0 };
             let frequency_hz = if square > zero { square.sqrt() / std::f64::consts::TAU } else { 0.0 };
             let shape = (0..free.nrows())
                 .map(|row| {
@@ -167,6 +169,7 @@ fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f6
             NaturalMode {
                 frequency_hz,
                 growth_rate,
+                swings: square >= -zero && flutter <= zero,
                 shape: shape.iter().map(|x| x / largest).collect(),
                 shares: Vec::new(),
             }

@@ -213,3 +213,32 @@ fn section_forces_are_what_is_beyond() {
     assert!((found.reactions[0].force - Vector3::new(0.0, 0.0, 50.0)).norm() < 1e-11, "{}", found.reactions[0].force);
     assert!((found.reactions[0].moment.norm() - root.fixed_rows::<3>(3).norm()).abs() < 1e-10);
 }
+
+/// Section forces that are round-off have no error, whatever acts elsewhere; those of the smallest load that is a load have one.
+#[test]
+fn a_beam_without_load_has_no_error_of_its_forces() {
+    let mut random = crate::common::Random::new(5);
+    for case in 0..24 {
+        let [length, radius] = [random.between(0.2, 3.0), random.between(0.002, 0.02)];
+        let (turn, elements) = (random.between(-3.0, 3.0), 1 + random.below(8));
+        let load = if case % 2 == 0 { 0.0 } else { 1e-3 };
+        let text = format!(
+            "gravity = [0, 0, 0]\n[[body]]\nname = \"s\"\nmass = 1.0\ninertia = [1, 1, 1]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 0, 1], position = {turn:?}, stiffness = 5.0, rest = 0.3 }}\n\
+             [[beam]]\nname = \"bm\"\nhinge = {{ type = \"fixed\", parent = \"s\", rpy = [0, -1.5707963267948966, 0.3] }}\n\
+             length = {length:?}\nelements = {elements}\nsection = {{ circle = {radius:?} }}\n\
+             material = {{ young = 2e11, poisson = 0.3, density = 7850.0 }}\n\
+             [[body]]\nname = \"tip\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = {{ type = \"fixed\", parent = \"bm\" }}\n\
+             [[force]]\ntype = \"load\"\non = \"tip\"\nforce = [0, 0, {load:?}]\n\
+             [[body]]\nname = \"other\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], at = [0, 3, 0], stiffness = 1e3, force = 50.0 }}\n"
+        );
+        let scenario = stillpoint::scenario::parse("idle.toml", &text, &[])
+            .unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        let model = Model::build(&scenario.description).expect("a model");
+        let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("statics");
+        assert!(found.converged, "{:?}\n{text}", found.notes);
+        let error = stillpoint::statics::beams(&model, &found).expect("numbers")[0].error;
+        assert_eq!(error.idle, load == 0.0, "{error:?}\n{text}");
+        assert!(!error.idle || (error.forces, error.deflections) == (0.0, 0.0), "{error:?}");
+    }
+}

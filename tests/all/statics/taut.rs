@@ -64,3 +64,22 @@ fn a_rod_across_the_line_bears_the_load() {
     let (_, third) = found.carried.iter().find(|(name, _)| name.contains("third")).expect("a third rod");
     assert!((third[0].abs() - 2.0 * 9.80665).abs() < 1e-9, "{third:?}");
 }
+
+/// A weight on two rods in one line, and from it a pendulum that is not at its rest: what is not borne is the weight.
+#[test]
+fn what_rods_in_line_do_not_bear_is_named_whatever_hangs_beside_it() {
+    for seed in 0..20 {
+        let random = &mut Random::new(seed);
+        let (mass, hangs) = (random.between(0.5, 5.0), random.between(0.1, 5.0));
+        let turn = random.between(0.2, 1.4);
+        let text = knot("k", mass, [0.0, 0.0])
+            + &rod("left", [-1.0, 0.0], "k", [0.0, 0.0])
+            + &rod("right", [1.0, 0.0], "k", [0.0, 0.0])
+            + &knot("p", hangs, [turn.sin(), -turn.cos()])
+            + "[[loop]]\nname = \"string\"\ntype = \"rod\"\nbetween = [\"k\", \"p\"]\nlength = 1.0\n";
+        let found = search(&text);
+        assert!(!found.balanced, "seed {seed}");
+        let note = found.notes.join("; ");
+        assert!(note.contains(" in `k`") && note.contains("`left`"), "seed {seed}: {note}");
+    }
+}
