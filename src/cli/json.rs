@@ -267,6 +267,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         "events": summary.events.iter().map(|one| event(one, &summary.told)).collect::<Vec<_>>(),
         "impacts": summary.impacts,
         "capture_steps": summary.capture_steps,
+        "impacts_held_back": summary.held_back,
         "stopped_by": summary.stopped_by,
         "stages_pending": summary.pending.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "samples": summary.samples,

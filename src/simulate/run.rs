@@ -99,6 +99,8 @@ pub struct Summary {
     pub wound: Vec<(f64, Wound)>,
     /// Impacts: of hinges on their stops, and between bodies.
     pub impacts: usize,
+    /// Impacts between bodies that came back with less than their restitution, as all of it would have gained energy.
+    pub held_back: usize,
     /// Steps that captured contacts instead of following their events.
     pub capture_steps: usize,
     /// Number of samples handed to the recorder.
@@ -307,6 +309,7 @@ impl Run<'_, '_> {
             inputs: motion.system.inputs().to_vec(),
             memories: self.control.map_or_else(Vec::new, |control| control.memories),
             impacts,
+            held_back: motion.contacts.as_ref().map_or(0, |contacts| contacts.held_back),
             capture_steps: motion.contacts.as_ref().map_or(0, |contacts| contacts.captured()),
             samples: self.sampler.count,
             wound: self.sampler.wound,

@@ -425,6 +425,7 @@ fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> S
         energy_start: total.energy_start,
         constraint_error: total.constraint_error.max(done.constraint_error),
         impacts: total.impacts + done.impacts,
+        held_back: total.held_back + done.held_back,
         capture_steps: total.capture_steps + done.capture_steps,
         samples: total.samples + done.samples,
         wound: total.wound,

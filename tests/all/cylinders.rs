@@ -307,3 +307,43 @@ fn drums_are_kept_apart_from_whatever_meets_them() {
         );
     }
 }
+
+/// A lying log falls onto the rim of a standing drum that runs along it where they meet, or nearly: it strikes where its side comes to the
+/// rim, `z = h + √(r² − (x cos ψ − R)²)`.
+#[test]
+fn logs_strike_rims_that_run_along_them() {
+    for (x, yaw) in [(0.22, 0.0), (0.22, 0.01), (0.22, -0.01), (0.245, 0.1), (0.205, 1e-7), (0.22, 0.2)] {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
+            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+        let text = format!(
+            "[[body]]\nname = \"rock\"\nshape = {{ cylinder = [0.2, 0.2] }}\nhinge = {{ type = \"fixed\" }}\n\
+             [[body]]\nname = \"log\"\ndensity = 1000\nshape = {{ cylinder = [0.05, 0.2] }}\nhinge = {{ type = \"free\", \
+             position = [{x:?}, 0, 0.25, {:?}, {:?}, {:?}, {:?}] }}\n[[contact]]\nbetween = [\"rock\", \"log\"]\nfriction = 0.3\n",
+            turn.w, turn.i, turn.j, turn.k
+        );
+        let summary =
+            tried(&read(&text), 0.2, 1e-9, Method::Dop853).unwrap_or_else(|error| panic!("{x} {yaw}: {error}"));
+        let beside = x * f64::cos(yaw) - 0.2;
+        let height = 0.1 + (0.05 * 0.05 - beside * beside).sqrt();
+        let struck = summary.events.iter().find(|event| event.kind.name() == "strikes").expect("a strike");
+        assert!((struck.time - (2.0 * (0.25 - height) / 9.80665).sqrt()).abs() < 1e-8, "{x} {yaw}: {}", struck.time);
+        assert!(summary.energy_drift < 1e-6 * summary.energy_largest, "{x} {yaw}: {}", summary.energy_drift);
+    }
+}
+
+/// A log rolls, or slides, over the top of a drum and off its rim, which runs along it: it goes about the rim and falls, and keeps its energy.
+#[test]
+fn logs_go_over_rims_that_run_along_them() {
+    for friction in [0.0, 1.0] {
+        let text = format!(
+            "[[body]]\nname = \"rock\"\nshape = {{ cylinder = [0.2, 0.2] }}\nhinge = {{ type = \"fixed\" }}\n\
+             [[body]]\nname = \"log\"\ndensity = 1000\nshape = {{ cylinder = [0.05, 0.2] }}\nhinge = {{ type = \"free\", \
+             position = [0.19, 0, 0.15, 0.7071067811865476, 0.7071067811865475, 0, 0], velocity = [0.3, 0, 0, 0, 0, 0] }}\n\
+             [[contact]]\nbetween = [\"rock\", \"log\"]\nfriction = {friction:?}\n"
+        );
+        let summary =
+            tried(&read(&text), 0.4, 1e-8, Method::Dop853).unwrap_or_else(|error| panic!("{friction}: {error}"));
+        assert!(summary.state.position[2] < 0.0, "{friction}: {:?}", summary.state.position);
+        assert!(summary.energy_drift < 1e-5 * summary.energy_largest, "{friction}: {}", summary.energy_drift);
+    }
+}

@@ -14,6 +14,7 @@ mod closed_forms;
 mod common;
 mod compliant_contact;
 mod contact_beside_stops;
+mod contact_forces;
 mod contact_in_motion;
 mod contact_reference;
 mod control;

@@ -193,7 +193,10 @@ pub(super) fn axes(own: &[Circle], other: &[Circle]) -> Vec<Vector3<f64>> {
         }
         // The side of the other, about its axis.
         for spot in (0..2).filter_map(|half| a.beside(&b.middle, &b.axis, half, true)) {
-            let Some(normal) = spot.tangent.cross(&b.axis).try_normalize(PARALLEL) else { continue };
+            let arm = b.middle - a.point(&spot);
+            let way = || (arm - b.axis * b.axis.dot(&arm)).try_normalize(0.0);
+            let crossed = spot.tangent.cross(&b.axis).try_normalize(PARALLEL);
+            let Some(normal) = crossed.or_else(way) else { continue };
             found.push(if normal.dot(&(spot.out + a.axis)) < 0.0 { -normal } else { normal });
         }
     }
@@ -250,8 +253,15 @@ pub(super) fn with_edge(
         false => across(&circle, &spot, &u)?,
     };
     let behind = other.below(&-normal, &foot, &other.of.edges[usize::from(edge)]);
-    let side = spot.out.dot(&circle.along(&u)) * circle.radius * if half == 1 { 1.0 } else { -1.0 };
     let tilt = circle.axis.dot(&u).abs();
+    let side = spot.out.dot(&circle.along(&u)) * circle.radius * if half == 1 { 1.0 } else { -1.0 };
+    // What lies flat beyond a face is nearest between both halves, where the rim runs along it: then it is a matter of the one.
+    let between = about > 0.0 && tilt < PARALLEL && side.abs() < chord::SHORT * circle.radius;
+    let side = match (between, half) {
+        (true, 0) => return None,
+        (true, _) => f64::INFINITY,
+        (false, _) => side,
+    };
     // Edges across a face have chords; what is round about an edge lies on it.
     let beside = circle.axis.cross(&circle.along(&u)).dot(&from).abs();
     let elsewhere = if about > 0.0 { f64::INFINITY } else { -chord::counts(tilt, beside, circle.radius) };

@@ -1,7 +1,7 @@
 //! Many contacts, or too many events: steps that capture all of an instant's events at once.
 //!
 //! ```text
-//! (1)  q_m = q ⊞ ½ h v,   v⁺ = v + h q̈_free(q_m, v) + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
+//! (1)  q_m = q ⊞ ½ h v,   v_f = v + h q̈_free(q_m, ½ (v + v_f)),   v⁺ = v_f + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
 //! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + ½ h c + n (2 max(g_m, 0) / h + e min(u_n, 0))
 //!      c   by how much u̇ is more than J q̈: what the contact's own way over the bodies does
 //! ```
@@ -10,9 +10,9 @@
 //! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back behind
 //! every step ([`super::raise`]), and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
 //! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
-//! order 2 where contacts roll; a step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
+//! order 2 where contacts roll, and what spins keeps its energy: the midpoint rule has no growth of its own. A step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
-use super::moreau::{Ask, Made, moreau};
+use super::moreau::{Ahead, Ask, Made, SWEEPS_OF_STEP, moreau};
 use super::{Contacts, Regime};
 use crate::contact::frame::{self, Frame};
 use crate::contact::hinges::Id;
@@ -36,6 +36,10 @@ const CLOSES: f64 = 1e-4;
 /// Rates of contacts are found to this part of what makes a difference of positions as large as it may be in a step, or as far as so many
 /// sweeps take them.
 const FOUND: f64 = 0.02;
+/// Forces at rest balance to this part of what the scene accelerates with, as far as sweeps take them.
+const BALANCED: f64 = 1e-7;
+/// Once for each rest.
+const SWEEPS_AT_REST: usize = 50_000;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
 /// A step gains no more than this part of the kinetic energy.
@@ -119,7 +123,7 @@ impl Capture {
         let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
         let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
-        let ask = Ask { warm: &warm, fine, strikes: true };
+        let ask = Ask { warm: &warm, fine, sweeps: SWEEPS_OF_STEP, ahead: Ahead::Strikes };
         let whole = moreau(motion, time, [q, v], step, ask)?;
         let first = moreau(motion, time, [q, v], 0.5 * step, ask)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
@@ -261,10 +265,29 @@ impl Equations {
             return Ok(());
         }
         self.let_go(time, state)?;
-        let step = FIRST * self.model().time_scale();
         let fine = self.contacts.as_ref().map_or(0.0, |contacts| FOUND * COARSE[0] * contacts.lengths[0]);
-        let made =
-            moreau(self, time, [&state.position, &state.velocity], step, Ask { warm: &[], fine, strikes: false })?;
+        self.press_at(time, state, fine, (SWEEPS_OF_STEP, Ahead::Waits))
+    }
+
+    /// The forces that hold a state at rest, where its points of contact are.
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    pub(in crate::simulate) fn balance_at_rest(&mut self, time: f64, state: &State) -> Result<(), Fault> {
+        self.press_at(
+            time,
+            state,
+            BALANCED * FIRST * FIRST * self.model().length_scale(),
+            (SWEEPS_AT_REST, Ahead::Rests),
+        )
+    }
+
+    /// The forces of a short step from a state in which nothing strikes, its rates found to `fine` over the step (m).
+    fn press_at(&mut self, time: f64, state: &State, fine: f64, (sweeps, ahead): (usize, Ahead)) -> Result<(), Fault> {
+        let warm = self.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
+        let step = FIRST * self.model().time_scale();
+        let ask = Ask { warm: &warm, fine, sweeps, ahead };
+        let made = moreau(self, time, [&state.position, &state.velocity], step, ask)?;
         if let Some(contacts) = &mut self.contacts {
             contacts.memory.forces = made.forces;
         }
@@ -326,7 +349,9 @@ impl Contacts {
         // Dry friction and rigid stops that press are followed by captured steps alone.
         let hinges = self.memory.active.iter().any(|id| !matches!(id, Id::Contact(_)));
         let hinges = hinges || !self.model.hinge_friction.is_empty();
-        self.is_captured() && few && !hinges && self.memory.calm >= CALM && time >= self.stretch.until
+        // What touches nothing is left to itself at once.
+        let until = if self.memory.active.is_empty() { f64::NEG_INFINITY } else { self.stretch.until };
+        self.is_captured() && few && !hinges && self.memory.calm >= CALM && time >= until
     }
 
     /// Whether nothing has moved for some captured steps.

@@ -7,10 +7,10 @@
 //!
 //! Impacts without restitution are one problem. With it two bodies after the other meet, those first that approach fastest, as in a
 //! cradle: their points together, the others being as they are, until nothing approaches. By Kane's paradox (1) may gain
-//! energy: then e is halved, and zero in the end.
+//! energy: then what comes back is the largest part of it that gains none, and the run says so.
 
 use super::{Contacts, Trouble};
-use crate::contact::cone::{Answer, Law};
+use crate::contact::cone::{Answer, Law, Problem};
 use crate::contact::frame::{Frame, problem};
 use crate::model::problem::number;
 use nalgebra::Vector3;
@@ -23,6 +23,8 @@ const SPENT: f64 = 1e-6;
 pub(super) const FOUND: f64 = 1e-13;
 /// Sweeps of the cone problem.
 pub(super) const MOST_SWEEPS: usize = 50_000;
+/// How exactly the part of a restitution is found that gains no energy.
+const NEARLY: f64 = 1e-9;
 /// Energy that an impact may gain: this part of what moves.
 const GAINED: f64 = 1e-12;
 
@@ -109,9 +111,9 @@ impl Contacts {
         Ok(done)
     }
 
-    /// (1) at some of the contacts, the others being as they are.
+    /// (1) at some of the contacts, the others being as they are; of the restitution `part`, or as much of that as gains no energy.
     fn strike_at(
-        &self,
+        &mut self,
         frames: &[Frame],
         answers: &[[Vec<f64>; 3]],
         speeds: &[Vector3<f64>],
@@ -125,43 +127,65 @@ impl Contacts {
             Law::Coulomb { stick: friction.slide, slide: friction.slide }
         };
         let laws: Vec<Law> = own.iter().map(law).collect();
-        let zero = vec![Vector3::zeros(); own.len()];
-        let mut problem = problem(&own, &own_answers, zero.clone(), laws);
-        let size: f64 = speeds.iter().map(|u| u.norm()).fold(0.0, f64::max);
-        let mut last = None;
-        for share in [1.0, 0.5, 0.25, 0.0] {
-            problem.rates = taking
-                .iter()
-                .map(|i| {
-                    let mut rate = speeds[*i];
-                    if rate.x < -self.rest {
-                        rate.x *= 1.0 + part * share * self.law(frames[*i].key.couple).law.restitution();
-                    }
-                    rate
-                })
-                .collect();
-            let found = problem.solve(&zero, FOUND, MOST_SWEEPS);
-            if found.change > 1e-9 || found.forces.iter().any(|f| !f.iter().all(|x| x.is_finite())) {
-                last = Some(found);
-                continue;
-            }
-            let mut after = problem.clone();
-            after.rates = taking.iter().map(|i| speeds[*i]).collect();
-            let gained: f64 = (0..own.len())
-                .map(|k| 0.5 * found.forces[k].dot(&(speeds[taking[k]] + after.rate(k, &found.forces))))
-                .sum();
-            let most: f64 = found.forces.iter().map(|f| f.norm() * size).sum();
-            if gained <= GAINED * most {
-                return Ok(found);
-            }
-            last = Some(found);
-        }
-        let why = match last {
-            Some(found) if found.change > 1e-9 => {
-                format!("the impulses of {} simultaneous contacts are not found in {} sweeps", own.len(), found.sweeps)
-            }
-            _ => "every impulse that ends the approach would gain energy".to_owned(),
+        let before: Vec<Vector3<f64>> = taking.iter().map(|i| speeds[*i]).collect();
+        let mut problem = problem(&own, &own_answers, before.clone(), laws);
+        let rebound = |frame: &Frame, u: &Vector3<f64>| match u.x < -self.rest {
+            true => u.x * self.law(frame.key.couple).law.restitution(),
+            false => 0.0,
         };
-        Err(Trouble::Undecided { between: self.between(frames[taking[0]].key.couple), why })
+        let rebounds: Vec<f64> = own.iter().zip(&before).map(|(frame, u)| part * rebound(frame, u)).collect();
+        let mut with = |share: f64| answer(&mut problem, &before, &rebounds, share);
+        let whole = with(1.0);
+        if let Tried::Sound(found) = whole {
+            return Ok(found);
+        }
+        // Between none, which gains nothing, and all of it. The part lies anywhere, so that it is halved towards.
+        let (mut sound, mut last) = match with(0.0) {
+            Tried::Sound(found) => (found, whole),
+            not => {
+                let why = match not {
+                    Tried::Unfound(sweeps) => {
+                        format!("the impulses of {} simultaneous contacts are not found in {sweeps} sweeps", own.len())
+                    }
+                    _ => "every impulse that ends the approach would gain energy".to_owned(),
+                };
+                return Err(Trouble::Undecided { between: self.between(own[0].key.couple), why });
+            }
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        while high - low > NEARLY {
+            let share = 0.5 * (low + high);
+            match with(share) {
+                Tried::Sound(found) => (low, sound) = (share, found),
+                not => (high, last) = (share, not),
+            }
+        }
+        self.held_back += usize::from(matches!(last, Tried::Gains));
+        Ok(sound)
     }
+}
+
+/// What (1) gives.
+enum Tried {
+    Sound(Answer),
+    /// It gains energy.
+    Gains,
+    /// After so many sweeps.
+    Unfound(usize),
+}
+
+/// (1) with a share of these rebounds (m/s).
+fn answer(problem: &mut Problem, before: &[Vector3<f64>], rebounds: &[f64], share: f64) -> Tried {
+    let rates = before.iter().zip(rebounds).map(|(u, rebound)| u + Vector3::x() * (share * rebound));
+    problem.rates = rates.collect();
+    let found = problem.solve(&vec![Vector3::zeros(); before.len()], FOUND, MOST_SWEEPS);
+    if found.change > 1e-9 || found.forces.iter().any(|f| !f.iter().all(|x| x.is_finite())) {
+        return Tried::Unfound(found.sweeps);
+    }
+    problem.rates = before.to_vec();
+    let gained: f64 =
+        (0..before.len()).map(|k| 0.5 * found.forces[k].dot(&(before[k] + problem.rate(k, &found.forces)))).sum();
+    let size: f64 = before.iter().map(|u| u.norm()).fold(0.0, f64::max);
+    let most: f64 = found.forces.iter().map(|f| f.norm() * size).sum();
+    if gained <= GAINED * most { Tried::Sound(found) } else { Tried::Gains }
 }

@@ -170,6 +170,8 @@ pub(super) struct Contacts {
     /// The gap of each couple and its rate there, once that is asked for.
     gaps: Vec<OnceCell<[f64; 2]>>,
     pub(super) impacts: usize,
+    /// Impacts that came back with less than their restitution, which would have gained energy.
+    pub(super) held_back: usize,
     /// Velocity coordinates of trees that contacts alone tie to each other.
     trees: blocks::Trees,
     memory: capture::Memory,
@@ -223,6 +225,7 @@ impl Contacts {
             independent: Vec::new(),
             reserve: OnceCell::new(),
             impacts: 0,
+            held_back: 0,
             trees: blocks::Trees::new(model),
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
@@ -377,10 +380,11 @@ impl Contacts {
         }
     }
 
-    /// Where forces are not unique those of least norm may pull at some point: others that do not, if they do the same to everything.
+    /// Where forces are not unique those of least norm may pull at some point, or be more than friction holds: others that are within their
+    /// cones, if they do the same to everything.
     fn others(&self) -> Option<Vec<Vector3<f64>>> {
-        let pulls = |one: &Closed| one.meeting.normal.dot(&one.force) < -PULLS * self.scale;
-        if !self.closed.iter().any(pulls)
+        let leaves = |one: &Closed| one.may_push() && self.inward(one, &one.force) < -PULLS * self.scale;
+        if !self.closed.iter().any(leaves)
             || self.model.is_constrained()
             || !self.closed.iter().all(|one| self.is_free(one))
         {
@@ -427,6 +431,11 @@ impl Contacts {
         self.regime = regime;
         self.closed.clear();
         self.frames.clear();
+    }
+
+    /// Whether anything touches, or has since events go on.
+    pub(super) fn is_busy(&self) -> bool {
+        !self.closed.is_empty() || !self.recent.is_empty()
     }
 
     /// Takes note of an event; true if events come too often, or too much touches, to go on by them: captured steps do.

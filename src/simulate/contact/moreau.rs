@@ -14,8 +14,11 @@ use nalgebra::{Matrix3, Vector3};
 /// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
 /// their contact to a turn of 1e-7.
 const ASKEW: f64 = 1e-4;
-/// Sweeps of a cone problem, at most.
-const MOST_SWEEPS: usize = 1200;
+/// Sweeps of the cone problem of a step, at most.
+pub(super) const SWEEPS_OF_STEP: usize = 1200;
+/// Velocities without contact are found to this part of the largest, in so many iterations at most: what a step errs by is far more.
+const FLIES: f64 = 1e-9;
+const MOST_ITERATIONS: usize = 20;
 /// What answers a push with less than this part of what it would do without loops, drives and gears is held by them, but for rounding.
 const IMMOVABLE: f64 = 1e-12;
 
@@ -161,6 +164,17 @@ fn drag(
     }
 }
 
+/// What becomes of contacts within a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ahead {
+    /// What meets strikes.
+    Strikes,
+    /// What meets is left alone.
+    Waits,
+    /// All that is near touches: gaps are round-off.
+    Rests,
+}
+
 /// How (2) is asked.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ask<'a> {
@@ -168,8 +182,42 @@ pub(super) struct Ask<'a> {
     pub(super) warm: &'a [(Id, Vector3<f64>)],
     /// Rates of contacts are found to this over the step (m).
     pub(super) fine: f64,
-    /// Whether what meets within the step strikes; else it is left alone.
-    pub(super) strikes: bool,
+    /// Sweeps at most.
+    pub(super) sweeps: usize,
+    pub(super) ahead: Ahead,
+}
+
+/// `v_f` of (1) by fixed-point iteration; whether it has been found: a step in which something turns by more than a radian or so is too long.
+fn fly(
+    system: &mut System,
+    time: f64,
+    [position, v]: [&[f64]; 2],
+    h: f64,
+    after: &mut Vec<f64>,
+) -> Result<bool, Fault> {
+    let mut a = vec![0.0; v.len()];
+    let mut middle = v.to_vec();
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_ITERATIONS {
+        system.at_without_contact(time, position, &middle).into_accelerations(&mut a)?;
+        after.clear();
+        after.extend(v.iter().zip(&a).map(|(v, a)| v + h * a));
+        let size = after.iter().chain(v).fold(0.0, |most: f64, v| most.max(v.abs()));
+        let mut change = 0.0_f64;
+        for (middle, (v, after)) in middle.iter_mut().zip(v.iter().zip(&*after)) {
+            let next = 0.5 * (v + after);
+            change = change.max((next - *middle).abs());
+            *middle = next;
+        }
+        if change <= FLIES * size {
+            return Ok(true);
+        }
+        if !(change < last) {
+            return Ok(false);
+        }
+        last = change;
+    }
+    Ok(false)
 }
 
 /// (1) and (2).
@@ -178,31 +226,32 @@ pub(super) fn moreau(
     time: f64,
     [q, v]: [&[f64]; 2],
     h: f64,
-    Ask { warm, fine, strikes }: Ask<'_>,
+    Ask { warm, fine, sweeps, ahead }: Ask<'_>,
 ) -> Result<Made, Fault> {
     let mut position = q.to_vec();
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
     let Equations { contacts, system, .. } = motion;
-    let mut mass = system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut velocity)?;
-    velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
+    let flies = fly(system, time + 0.5 * h, [&position, v], h, &mut velocity)?;
+    let mut mass =
+        system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut vec![0.0; v.len()])?;
     let Some(contacts) = contacts else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: true });
+        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: flies });
     };
     let mut frames = contacts.ahead(mass.motion(), h);
     let mut supports = contacts.supports(&frames, &position, v);
     let waits = |support: &Support| {
         let bounces = support.gap > 0.0 && contacts.restitution(support) > 0.0;
         let is_friction = matches!(support.id, Id::Friction(_));
-        (bounces || !strikes && !is_friction) && along(&support.columns[0], v) < -contacts.rest
+        (bounces || ahead != Ahead::Strikes && !is_friction) && along(&support.columns[0], v) < -contacts.rest
     };
     // Frames are those of the first supports.
     let mut own = supports.iter();
     frames.retain(|_| own.next().is_some_and(|support| !waits(support)));
     supports.retain(|support| !waits(support));
     let blocks = Blocks::new(contacts, &mut mass, &supports);
-    let way = |support: &Support| 2.0 * support.gap.max(0.0) / h;
+    let way = |support: &Support| if ahead == Ahead::Rests { 0.0 } else { 2.0 * support.gap.max(0.0) / h };
     let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     let bends: Vec<Vector3<f64>> =
         supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
@@ -221,7 +270,7 @@ pub(super) fn moreau(
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
-    let mut found = problem.sweep_to(&guesses, fine / h, MOST_SWEEPS);
+    let mut found = problem.sweep_to(&guesses, fine / h, sweeps);
     blocks.push(&found.forces, &mut velocity);
     drag(&mut mass, &problem, &supports, &velocity, &mut found.forces, contacts.slow);
     let (mut lost, mut opposed) = (0.0, 0.0);
@@ -236,5 +285,5 @@ pub(super) fn moreau(
     hinges::within_limits(&mut mass, &mut end);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found })
+    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found && flies })
 }

@@ -172,6 +172,10 @@ impl Run<'_, '_> {
     /// Whether steps between events advance so little since captured ones handed back that these would have done better.
     pub(super) fn toils(&self, motion: &Equations, stepper: &dyn Stepper<Equations>, time: f64) -> bool {
         let Some(contacts) = motion.contacts.as_ref().filter(|contacts| !contacts.is_captured()) else { return false };
+        // What flies freely takes the steps that its own motion asks for.
+        if !contacts.is_busy() {
+            return false;
+        }
         let Some((since, before)) = self.handed_back else { return false };
         let tried = tried(&self.statistics) + tried(stepper.statistics()) - before;
         tried >= TOIL && time - since < WORTH * contacts.captured_step() * tried as f64
@@ -187,6 +191,8 @@ impl Run<'_, '_> {
             self.state.velocity.fill(0.0);
             let raised = motion.raise_to_rest(time, &mut self.state.position, &self.state.velocity);
             raised.map_err(|fault| RunError::Sample { time, fault })?;
+            // The last step had other points of contact, and its forces brought to rest what moved.
+            motion.balance_at_rest(time, &self.state).map_err(|fault| RunError::Sample { time, fault })?;
             if let Some(contacts) = &mut motion.contacts {
                 contacts.freeze();
             }
