@@ -157,6 +157,9 @@ pub const EIGENVECTOR: RoundOff = RoundOff(1e-9);
 /// Eigenvalue of a motion, or its real or imaginary part, beside the largest: a double root splits by the square root of a unit in the
 /// last place.
 pub const DOUBLE_ROOT: RoundOff = RoundOff(1e-7);
+/// Singular value of a matrix beside the largest, for each of its rows, and entries of products and solutions beside their terms: the
+/// matrix is wrong by a few roundings of its own.
+pub const SINGULAR_VALUE: RoundOff = RoundOff::units(8.0);
 
 /// Power of forces that go with speeds, beside the largest such force: Coriolis forces are sums over the whole tree, and what they
 /// leave of power, which they have none of, is their round-off.

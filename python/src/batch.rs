@@ -1,11 +1,12 @@
 //! Many runs, and many cases, on all processors.
 
+use crate::dynamics::shown;
 use crate::interrupt::Interrupt;
 use crate::run::{Asked, Done};
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyString};
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,14 +18,28 @@ use stillpoint::suggest::closest;
 /// Rows that are handed over at once.
 const ROWS: u64 = 16;
 
-fn processors(threads: Option<usize>) -> usize {
-    threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get)).max(1)
+/// How many threads an argument `threads` stands for; without one as many as there are processors.
+pub(crate) fn processors(threads: Option<usize>) -> PyResult<usize> {
+    match threads {
+        Some(0) => Err(PyValueError::new_err("`threads` is 0, allowed: at least 1")),
+        Some(threads) => Ok(threads),
+        None => Ok(std::thread::available_parallelism().map_or(1, NonZeroUsize::get)),
+    }
+}
+
+/// The items of an argument that is a list, and no text.
+pub(crate) fn list<'py>(name: &str, given: &Bound<'py, PyAny>, expected: &str) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let refused = || PyTypeError::new_err(format!("`{name}` is {}, expected: {expected}", shown(given)));
+    if given.is_instance_of::<PyString>() || given.is_instance_of::<PyDict>() {
+        return Err(refused());
+    }
+    given.try_iter().map_err(|_| refused())?.collect()
 }
 
 /// Runs each of those that are there, on so many threads.
 pub(crate) fn each(
     runs: &[Option<&Asked>],
-    threads: Option<usize>,
+    threads: usize,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Option<Option<Done>>> {
     let next = AtomicUsize::new(0);
@@ -39,7 +54,7 @@ pub(crate) fn each(
         }
     };
     std::thread::scope(|scope| {
-        for _ in 1..processors(threads).min(runs.len().max(1)) {
+        for _ in 1..threads.min(runs.len().max(1)) {
             scope.spawn(work);
         }
         work();
@@ -63,7 +78,9 @@ pub(crate) fn plan(
             Ok(text) => text,
             Err(_) => {
                 let inline = values.py().import("stillpoint._toml")?.getattr("inline")?;
-                let items = values.try_iter()?.map(|item| inline.call1((item?,))?.extract::<String>());
+                let name = format!("over[{path:?}]");
+                let items = list(&name, &values, "a list of values")?;
+                let items = items.into_iter().map(|item| inline.call1((item,))?.extract::<String>());
                 items.collect::<PyResult<Vec<_>>>()?.join(",")
             }
         };
@@ -71,7 +88,12 @@ pub(crate) fn plan(
     }
     let mut varied = Vec::new();
     for (path, distribution) in vary.iter().flat_map(|vary| vary.iter()) {
-        let text = format!("{}={}", path.extract::<String>()?, distribution.extract::<String>()?);
+        let path = path.extract::<String>()?;
+        let distribution = distribution.extract::<String>().map_err(|_| {
+            let given = shown(&distribution);
+            PyTypeError::new_err(format!("`vary[{path:?}]` is {given}, expected: a text, as \"normal(2, 0.1)\""))
+        })?;
+        let text = format!("{path}={distribution}");
         varied.push(Variation::parse(&text).map_err(wrong)?);
     }
     if axes.is_empty() && varied.is_empty() {
@@ -101,6 +123,7 @@ pub(crate) fn sweep<'py>(
     (run, time_limit): (bool, f64),
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let threads = processors(threads)?;
     let question = Question { run, time_limit };
     let cases = Cases::new(scenario.clone(), set, plan, question);
     let cases = cases.map_err(|refusal| PyValueError::new_err(refusal.to_string()))?;
@@ -114,7 +137,7 @@ pub(crate) fn sweep<'py>(
     };
     py.detach(|| {
         let parts = (0..count.div_ceil(ROWS)).map(|part| (part, part * ROWS..((part + 1) * ROWS).min(count)));
-        pool::answer(&cases, parts, processors(threads), &|| watched.go_on(), &|| (), &take)
+        pool::answer(&cases, parts, threads, &|| watched.go_on(), &|| (), &take)
     })
     .unwrap_or(false);
     interrupt.check()?;

@@ -64,7 +64,11 @@ impl Controller {
                     outputs(py, model, sensed.outputs).and_then(|all| self.function.bind(py).call1((sensed.time, all)));
                 let set = answer.and_then(|answer| {
                     set(model, &answer, inputs).map_err(|error| {
-                        let at = format!("at t = {} s: {}", sensed.time, error.value(py));
+                        // A `KeyError` as a text has quotes around its message.
+                        let words =
+                            error.value(py).getattr("args").and_then(|args| args.get_item(0)?.extract::<String>());
+                        let words = words.unwrap_or_else(|_| error.value(py).to_string());
+                        let at = format!("at t = {} s: {words}", sensed.time);
                         PyErr::from_type(error.get_type(py), at)
                     })
                 });

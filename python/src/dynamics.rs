@@ -1,6 +1,6 @@
 //! The equations of motion at any state.
 
-use crate::scene::Scene;
+use crate::scene::{Scene, with_turns};
 use faer::Mat;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
 use pyo3::exceptions::{PyArithmeticError, PyKeyError, PyTypeError, PyValueError};
@@ -59,7 +59,7 @@ fn plain(given: Numbers<'_, '_>) -> Option<Vec<f64>> {
 }
 
 /// One list of numbers, whatever numpy takes for that.
-fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
+pub(crate) fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
     if let Some(numbers) = plain(given) {
         return Ok(numbers);
     }
@@ -112,6 +112,14 @@ pub(crate) fn velocities(model: &Arc<Model>) -> Vec<String> {
     scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
 }
 
+/// A matrix of finite numbers alone.
+fn finite<'py>(py: Python<'py>, name: &str, of: &Mat<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    match of.col_iter().all(|column| column.iter().all(|x| x.is_finite())) {
+        true => Ok(matrix(py, of)),
+        false => Err(PyArithmeticError::new_err(format!("{name} is not finite at this `q`"))),
+    }
+}
+
 fn fault(error: stillpoint::dynamics::Fault) -> PyErr {
     PyArithmeticError::new_err(error.to_string())
 }
@@ -139,7 +147,9 @@ impl Dynamics {
     }
 
     fn positions(&self, q: Numbers<'_, '_>) -> PyResult<Vec<f64>> {
-        list("q", q, self.model.position_count())
+        let q = list("q", q, self.model.position_count())?;
+        with_turns(&self.model, &q)?;
+        Ok(q)
     }
 
     fn velocities_of(&self, name: &str, v: Numbers<'_, '_>) -> PyResult<Vec<f64>> {
@@ -245,14 +255,14 @@ impl Dynamics {
         let v = vec![0.0; self.model.velocity_count()];
         let system = &mut self.solver().system;
         let linear = system.at(0.0, q, &v).linearize(&v).map_err(fault)?;
-        Ok(matrix(py, &linear.mass))
+        finite(py, "the mass matrix", &linear.mass)
     }
 
     /// (∂q̈/∂q, ∂q̈/∂v) in velocity coordinates: of a ball's quaternion along a small turn about its own axes.
     fn derivatives<'py>(&self, py: Python<'py>, q: Numbers<'_, 'py>, v: Numbers<'_, 'py>) -> PyResult<Pair<'py>> {
         let (q, v) = (&*self.positions(q)?, &*self.velocities_of("v", v)?);
         let (by_position, by_velocity) = self.solver().system.at(0.0, q, v).acceleration_jacobians().map_err(fault)?;
-        Ok((matrix(py, &by_position), matrix(py, &by_velocity)))
+        Ok((finite(py, "∂q̈/∂q", &by_position)?, finite(py, "∂q̈/∂v", &by_velocity)?))
     }
 
     /// The Jacobian of a point, 3 × nv: its velocity in inertial axes is J v. With `angular` 6 × nv, the body's angular velocity
@@ -293,7 +303,7 @@ impl Dynamics {
             }
             unit[j] = 0.0;
         }
-        Ok(matrix(py, &columns))
+        finite(py, "the Jacobian", &columns)
     }
 
     /// The dynamics of the scene that they are of.

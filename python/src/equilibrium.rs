@@ -19,9 +19,23 @@ use stillpoint::statics;
 #[pyclass(frozen, module = "stillpoint")]
 pub(crate) struct Equilibrium {
     scene: Py<Scene>,
-    held: statics::InverseAnswer,
+    held: Arc<Searched>,
+}
+
+/// What a search has found, and how long it took.
+pub(crate) struct Searched {
+    answer: statics::InverseAnswer,
     wall: Duration,
     json: OnceLock<String>,
+}
+
+impl Searched {
+    /// What `stillpoint statics --json` prints.
+    pub(crate) fn text(&self) -> &str {
+        self.json.get_or_init(|| {
+            stillpoint::cli::statics_answer(&self.answer.model, &self.answer.found, self.wall.as_secs_f64()).to_string()
+        })
+    }
 }
 
 /// A small motion about an equilibrium.
@@ -53,25 +67,30 @@ impl Mode {
 }
 
 impl Equilibrium {
-    pub(crate) fn new(scene: Py<Scene>, held: statics::InverseAnswer, wall: Duration) -> Self {
-        Self { scene, held, wall, json: OnceLock::new() }
+    pub(crate) fn new(scene: Py<Scene>, answer: statics::InverseAnswer, wall: Duration) -> Self {
+        Self { scene, held: Arc::new(Searched { answer, wall, json: OnceLock::new() }) }
+    }
+
+    /// What a run from here starts with.
+    pub(crate) fn held(&self) -> &Arc<Searched> {
+        &self.held
     }
 
     pub(crate) fn converged(&self) -> bool {
-        self.held.found.converged
+        self.held.answer.found.converged
     }
 
     pub(crate) fn model(&self) -> &Arc<Model> {
-        &self.held.model
+        &self.held.answer.model
     }
 
     pub(crate) fn state(&self) -> State {
-        State { position: self.held.found.position.clone(), velocity: self.held.found.velocity.clone() }
+        State { position: self.held.answer.found.position.clone(), velocity: self.held.answer.found.velocity.clone() }
     }
 
     /// Why it is none.
     pub(crate) fn why(&self) -> String {
-        let found = &self.held.found;
+        let found = &self.held.answer.found;
         let mut text =
             format!("no equilibrium was found: the residual is {:.3e} of the forces", found.relative_residual);
         found.notes.iter().for_each(|note| text.push_str(&format!("\n{note}")));
@@ -79,7 +98,7 @@ impl Equilibrium {
     }
 
     fn listed(&self) -> Vec<Mode> {
-        let Some(stability) = &self.held.found.stability else { return Vec::new() };
+        let Some(stability) = &self.held.answer.found.stability else { return Vec::new() };
         if stability.damped.is_empty() {
             let undamped = stability.modes.iter();
             return undamped
@@ -97,9 +116,7 @@ impl Equilibrium {
     }
 
     fn text(&self) -> &str {
-        self.json.get_or_init(|| {
-            stillpoint::cli::statics_answer(&self.held.model, &self.held.found, self.wall.as_secs_f64()).to_string()
-        })
+        self.held.text()
     }
 }
 
@@ -108,19 +125,19 @@ impl Equilibrium {
     /// Hinge coordinates.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        frozen(py, &self.held.found.position)
+        frozen(py, &self.held.answer.found.position)
     }
 
     /// Hinge velocities: zero, but for drives that move.
     #[getter]
     fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        frozen(py, &self.held.found.velocity)
+        frozen(py, &self.held.answer.found.velocity)
     }
 
     /// `"stable"`, `"unstable"` or `"neutral"`.
     #[getter]
     fn verdict(&self) -> Option<&'static str> {
-        self.held.found.stability.as_ref().map(|stability| stability.verdict.name())
+        self.held.answer.found.stability.as_ref().map(|stability| stability.verdict.name())
     }
 
     /// Small motions, slowest first: damped ones where there is damping. A list that is a table, too.
@@ -132,21 +149,21 @@ impl Equilibrium {
     /// Undamped frequencies (Hz), ascending.
     #[getter]
     fn frequencies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let frequencies = self.held.found.stability.iter().flat_map(|stability| stability.frequencies());
+        let frequencies = self.held.answer.found.stability.iter().flat_map(|stability| stability.frequencies());
         PyArray1::from_vec(py, frequencies.collect())
     }
 
     /// Hinge coordinates by the body that the hinge carries.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        by_hinge(py, &self.held.model, &self.held.found.position, true)
+        by_hinge(py, &self.held.answer.model, &self.held.answer.found.position, true)
     }
 
     /// What each hinge passes to its body at its root marker, inertial axes: name → (force, moment).
     #[getter]
     fn reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        for (body, wrench) in self.held.model.bodies.iter().zip(&self.held.found.reactions) {
+        for (body, wrench) in self.held.answer.model.bodies.iter().zip(&self.held.answer.found.reactions) {
             let [force, moment] = [wrench.force, wrench.moment].map(|x| PyArray1::from_slice(py, x.as_slice()));
             all.set_item(&body.name, (force, moment))?;
         }
@@ -157,7 +174,7 @@ impl Equilibrium {
     #[getter]
     fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        for (body, pose) in self.held.model.bodies.iter().zip(&self.held.found.poses) {
+        for (body, pose) in self.held.answer.model.bodies.iter().zip(&self.held.answer.found.poses) {
             let (at, turn) = (pose.translation.vector, pose.rotation);
             let turn = [turn.w, turn.i, turn.j, turn.k];
             all.set_item(&body.name, (PyArray1::from_slice(py, at.as_slice()), PyArray1::from_slice(py, &turn)))?;
@@ -168,21 +185,21 @@ impl Equilibrium {
     /// What is left of the forces, in parts of those that cancel.
     #[getter]
     fn residual(&self) -> f64 {
-        self.held.found.relative_residual
+        self.held.answer.found.relative_residual
     }
 
     /// What was unknown, by address.
     #[getter]
     fn unknowns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        self.held.found.unknowns.iter().try_for_each(|(name, value)| all.set_item(name, value))?;
+        self.held.answer.found.unknowns.iter().try_for_each(|(name, value)| all.set_item(name, value))?;
         Ok(all)
     }
 
     /// What there is to say besides.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.held.found.notes.iter().map(ToString::to_string).collect()
+        self.held.answer.found.notes.iter().map(ToString::to_string).collect()
     }
 
     /// Everything that `stillpoint statics --json` prints.
@@ -200,7 +217,7 @@ impl Equilibrium {
     /// unless others are named) to outputs by name (all).
     #[pyo3(signature = (inputs = None, outputs = None))]
     pub(crate) fn linearize(&self, inputs: Option<Names>, outputs: Option<Names>) -> PyResult<Linear> {
-        let (held, inputs, outputs) = (&self.held, inputs.map(Names::all), outputs.map(Names::all));
+        let (held, inputs, outputs) = (&self.held.answer, inputs.map(Names::all), outputs.map(Names::all));
         let linear = stillpoint::cli::linearize_about(&held.description, &held.model, &held.found, inputs, outputs);
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
     }
@@ -210,7 +227,7 @@ impl Equilibrium {
     /// numbers a list of them.
     #[pyo3(signature = (output, addresses = None))]
     fn sensitivity<'py>(&self, py: Python<'py>, output: &str, addresses: Option<Names>) -> PyResult<Bound<'py, PyAny>> {
-        let (held, addresses) = (&self.held, addresses.map(Names::all));
+        let (held, addresses) = (&self.held.answer, addresses.map(Names::all));
         let mut numbers = Vec::new();
         for address in addresses.iter().flatten() {
             let found = Parameter::find(&held.description, address).map_err(|unknown| {
@@ -257,10 +274,11 @@ impl Equilibrium {
         settings.start = stillpoint::simulate::Start::Equilibrium;
         settings.duration = duration.unwrap_or(settings.duration);
         let asked = Asked {
-            model: Arc::clone(&self.held.model),
+            model: Arc::clone(&self.held.answer.model),
             settings,
             rate: rate.unwrap_or(scenario.record.rate),
             start: self.state(),
+            held: Some(Arc::clone(&self.held)),
             name: scenario.name.clone(),
             text: scenario.text.clone(),
         };
@@ -279,13 +297,13 @@ impl Equilibrium {
     }
 
     fn __repr__(&self) -> String {
-        let found = &self.held.found;
+        let found = &self.held.answer.found;
         let slowest = found.stability.as_ref().and_then(|stability| stability.modes.first());
         let slowest = slowest.map_or(String::new(), |mode| format!(", slowest mode {:.6} Hz", mode.frequency_hz));
         let verdict = self.verdict().unwrap_or("not certified");
         format!(
             "<Equilibrium of `{}`: {verdict}{slowest}, residual {:.1e}>",
-            self.held.model.title, found.relative_residual
+            self.held.answer.model.title, found.relative_residual
         )
     }
 }

@@ -1,12 +1,12 @@
 //! The equations about an equilibrium.
 
-use crate::dynamics::matrix;
+use crate::dynamics::{matrix, numbers, shown};
 use numpy::ndarray::Array3;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyArithmeticError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stillpoint::linear::{Mat, Signal, StateSpace, hold};
+use stillpoint::linear::{Mat, Signal, StateSpace};
 
 /// `ẋ = A x + B u`, `y = C x + D u`.
 #[pyclass(frozen, module = "stillpoint")]
@@ -120,14 +120,22 @@ impl Linear {
 
     /// The frequency response `C (iω − A)⁻¹ B + D` at frequencies (Hz): an array of frequencies × outputs × inputs, amplitude and phase
     /// of each output by each input. With `displacement` the inputs that are drives count by how far they move, in place of their
-    /// acceleration: transmissibilities.
+    /// acceleration: transmissibilities. At a frequency with which the equations swing freely it is the limit: what nothing holds back is
+    /// infinite there, along the axis that its phase tends to, and nothing is NaN.
     #[pyo3(signature = (frequencies, *, displacement = false))]
     fn response<'py>(
         &self,
         py: Python<'py>,
-        frequencies: Vec<f64>,
+        frequencies: &Bound<'py, PyAny>,
         displacement: bool,
     ) -> PyResult<Bound<'py, PyArray3<Complex64>>> {
+        let expected = "a frequency in Hz, or a list of them";
+        let frequencies = match frequencies.len() {
+            Ok(_) => numbers("`frequencies`", frequencies, expected)?,
+            Err(_) => vec![frequencies.extract::<f64>().map_err(|_| {
+                PyTypeError::new_err(format!("`frequencies` is {}, expected: {expected}", shown(frequencies)))
+            })?],
+        };
         if let Some(wrong) = frequencies.iter().find(|hz| !(**hz >= 0.0 && hz.is_finite())) {
             return Err(PyValueError::new_err(format!("a frequency is {wrong} Hz, allowed: finite and at least 0")));
         }
@@ -135,12 +143,10 @@ impl Linear {
         let (rows, columns) = (space.outputs.len(), space.inputs.len());
         let mut all = Array3::zeros((frequencies.len(), rows, columns));
         for (k, hz) in frequencies.iter().enumerate() {
-            let answer = space.response(std::f64::consts::TAU * hz);
-            for ((i, j), entry) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|at| (at, answer[at]))
-            {
-                let is_drive = matches!(space.inputs[j].unit.as_str(), "m/s²" | "rad/s²");
-                let by = if displacement && is_drive { -(std::f64::consts::TAU * hz).powi(2) } else { 1.0 };
-                all[[k, i, j]] = Complex64::new(entry.re, entry.im) * by;
+            let omega = std::f64::consts::TAU * hz;
+            let answer = if displacement { space.transmissibility(omega) } else { space.response(omega) };
+            for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+                all[[k, i, j]] = Complex64::new(answer[(i, j)].re, answer[(i, j)].im);
             }
         }
         Ok(all.into_pyarray(py))
@@ -151,7 +157,7 @@ impl Linear {
         if !(step > 0.0 && step.is_finite()) {
             return Err(PyValueError::new_err(format!("`step` is {step}, allowed: above 0")));
         }
-        let (a, b) = hold(&self.space.a, &self.space.b, step);
+        let (a, b) = self.space.hold(step).map_err(|why| PyArithmeticError::new_err(why.to_string()))?;
         Ok((matrix(py, &a), matrix(py, &b)))
     }
 

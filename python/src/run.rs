@@ -3,6 +3,7 @@
 use crate::RunError;
 use crate::arrow::{self, Column};
 use crate::control::{Controller, Failed};
+use crate::equilibrium::Searched;
 use crate::interrupt::Interrupt;
 use crate::recorder::{self, Columns};
 use crate::scene::by_kind;
@@ -24,8 +25,10 @@ pub(crate) struct Run {
     scene: record::Scene,
     /// The scenario, word for word.
     text: String,
-    /// What `run --json` prints.
+    /// What `run --json` prints, without the equilibrium that it starts from.
     outcome: String,
+    /// That equilibrium, if it starts from one and is no recording.
+    held: Option<Arc<Searched>>,
     events: Vec<Event>,
     time: Py<PyArray1<f64>>,
     /// Name and unit, in order.
@@ -44,6 +47,8 @@ pub(crate) struct Asked {
     pub(crate) settings: Settings,
     pub(crate) rate: f64,
     pub(crate) start: State,
+    /// The equilibrium that it is, if it is one.
+    pub(crate) held: Option<Arc<Searched>>,
     /// Name and text of the scenario.
     pub(crate) name: String,
     pub(crate) text: String,
@@ -75,9 +80,11 @@ impl Asked {
             return Err(PyMemoryError::new_err(message));
         };
         let scene = simulate::scene(&self.model);
-        let run = |outcome: String| Run::new(py, scene, self.text.clone(), outcome, columns);
+        let run = |outcome: String| {
+            Ok(Run { held: self.held.clone(), ..Run::new(py, scene, self.text.clone(), outcome, columns)? })
+        };
         match done {
-            Ok(summary) => run(stillpoint::cli::run_answer(&self.name, &summary).to_string()),
+            Ok(summary) => run(stillpoint::cli::run_answer(&self.name, self.held.is_none(), &summary).to_string()),
             Err(error) => {
                 let message = error.to_string();
                 let outcome = py.import("json")?.call_method1("dumps", ([("error", &message)].into_py_dict(py)?,))?;
@@ -122,6 +129,7 @@ impl Run {
             scene,
             text,
             outcome,
+            held: None,
             events: columns.events,
             time: array(columns.time)?,
             names,
@@ -154,6 +162,7 @@ impl Run {
         let time = self.time.bind(py).readonly();
         let columns: Vec<_> = self.columns.iter().map(|column| column.bind(py).readonly()).collect();
         let numbers: Vec<&[f64]> = columns.iter().map(|column| column.as_slice()).collect::<Result<_, _>>()?;
+        let summary = self.whole(py)?;
         let write = || -> Result<(), record::RecordError> {
             let opening = Opening { scene: &self.scene, scenario: &self.text, statics: None };
             let mut file = RecordingFile::create(path)?.begin(&opening)?;
@@ -165,7 +174,7 @@ impl Run {
                 file.sample(&recorder::sample(&self.scene, *now, |at| numbers[at][index]).borrow())?;
             }
             events.try_for_each(|event| file.event(event))?;
-            file.finish(&Outcome { summary: self.outcome.clone() })
+            file.finish(&Outcome { summary: summary.clone() })
         };
         write().map_err(|error| PyOSError::new_err(error.to_string()))
     }
@@ -181,7 +190,20 @@ impl Run {
 
     /// A number of the summary.
     fn told<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.as_dict(py)?.call_method1("get", (key,))
+        self.summary(py)?.call_method1("get", (key,))
+    }
+
+    /// The summary, without the equilibrium that the run starts from.
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (&self.outcome,))
+    }
+
+    /// The text of the whole summary.
+    fn whole(&self, py: Python<'_>) -> PyResult<String> {
+        match self.held {
+            Some(_) => py.import("json")?.call_method1("dumps", (self.as_dict(py)?,))?.extract(),
+            None => Ok(self.outcome.clone()),
+        }
     }
 
     /// The last numbers of columns.
@@ -268,7 +290,12 @@ impl Run {
 
     /// Everything that `stillpoint run --json` prints; of a recording what its run printed.
     fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (&self.outcome,))
+        let told = self.summary(py)?;
+        // A run that ended before its time has an error in place of the summary.
+        if let Some(held) = self.held.as_ref().filter(|_| told.contains("start").unwrap_or(false)) {
+            told.set_item("start", py.import("json")?.call_method1("loads", (held.text(),))?)?;
+        }
+        Ok(told)
     }
 
     /// Reached time (s).
@@ -302,7 +329,7 @@ impl Run {
     /// What happened: dictionaries with `time`, `kind`, `name`, `value`, `speed`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.as_dict(py)?.call_method1("get", ("events", PyList::empty(py)))
+        self.summary(py)?.call_method1("get", ("events", PyList::empty(py)))
     }
 
     /// Steps that were taken.

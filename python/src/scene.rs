@@ -17,6 +17,7 @@ use pyo3::exceptions::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -256,7 +257,7 @@ impl Scene {
     #[pyo3(signature = (q, v = None))]
     fn close<'py>(&self, py: Python<'py>, q: Vec<f64>, v: Option<Vec<f64>>) -> PyResult<Positions<'py>> {
         let v = v.unwrap_or_else(|| vec![0.0; self.model.velocity_count()]);
-        let found = nearest(&self.model, fitting(&self.model, vec![q, v])?)?;
+        let found = nearest(&self.model, fitting(&self.model, q, v)?)?;
         Ok((frozen(py, &found.position)?, frozen(py, &found.velocity)?))
     }
 
@@ -287,14 +288,14 @@ impl Scene {
         slf: &Bound<'_, Self>,
         inputs: Option<Names>,
         outputs: Option<Names>,
-        start: Option<Vec<Vec<f64>>>,
+        start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Linear> {
         let Some(start) = start else {
             return Self::equilibrium(slf)?.linearize(inputs, outputs);
         };
         let (inputs, outputs) = (inputs.map(Names::all), outputs.map(Names::all));
         let Self { model, scenario, .. } = slf.get();
-        let state = closed(model, fitting(model, start)?)?;
+        let state = closed(model, state(model, start)?)?;
         let place = (scenario.simulate.begin(), state);
         let linear = stillpoint::cli::linearize_at(&scenario.description, model, place, inputs, outputs);
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
@@ -312,7 +313,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<Vec<Vec<f64>>>,
+        start: Option<&Bound<'_, PyAny>>,
         controller: Option<Py<PyAny>>,
         period: Option<f64>,
     ) -> PyResult<Run> {
@@ -328,7 +329,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<Vec<Vec<f64>>>,
+        start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Simulator> {
         Ok(Simulator::new(Self::asked(slf, None, None, integrator, tolerance, step, start)?))
     }
@@ -339,7 +340,7 @@ impl Scene {
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn batch<'py>(
         slf: &Bound<'py, Self>,
-        sets: Vec<Bound<'py, PyAny>>,
+        sets: &Bound<'py, PyAny>,
         duration: Option<f64>,
         rate: Option<f64>,
         integrator: Option<&str>,
@@ -352,7 +353,9 @@ impl Scene {
             let scene = Bound::new(py, slf.get().with_set(set)?)?;
             Self::asked(&scene, duration, rate, integrator, tolerance, step, None)
         };
-        let asked: Vec<PyResult<Asked>> = sets.iter().map(one).collect();
+        let asked: Vec<PyResult<Asked>> =
+            batch::list("sets", sets, "a list of dictionaries")?.iter().map(one).collect();
+        let threads = batch::processors(threads)?;
         let interrupt = Interrupt::new();
         let watched = &interrupt;
         let runs: Vec<Option<&Asked>> = asked.iter().map(|one| one.as_ref().ok()).collect();
@@ -510,7 +513,7 @@ impl Scene {
         integrator: Option<&str>,
         tolerance: Option<f64>,
         step: Option<f64>,
-        start: Option<Vec<Vec<f64>>>,
+        start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Asked> {
         let this = slf.get();
         let mut settings = this.scenario.simulate;
@@ -527,26 +530,42 @@ impl Scene {
             })?;
         }
         let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
-        let (model, start) = match start {
-            Some(start) => (Arc::clone(&this.model), closed(&this.model, fitting(&this.model, start)?)?),
+        let (model, start, held) = match start {
+            Some(start) => (Arc::clone(&this.model), closed(&this.model, state(&this.model, start)?)?, None),
             None if settings.start == Start::Equilibrium => {
                 let found = Self::equilibrium(slf)?;
-                (Arc::clone(found.model()), found.state())
+                (Arc::clone(found.model()), found.state(), Some(Arc::clone(found.held())))
             }
             None => {
                 let (position, velocity) = (this.model.start_position.clone(), this.model.start_velocity.clone());
-                (Arc::clone(&this.model), State { position, velocity })
+                (Arc::clone(&this.model), State { position, velocity }, None)
             }
         };
         let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
-        Ok(Asked { model, settings, rate, start, name, text })
+        Ok(Asked { model, settings, rate, start, held, name, text })
     }
 }
 
 /// A start with as many numbers as the scene has.
-fn fitting(model: &Model, start: Vec<Vec<f64>>) -> PyResult<State> {
-    let [position, velocity] = <[Vec<f64>; 2]>::try_from(start)
+/// The state of an argument `start`.
+fn state(model: &Model, start: &Bound<'_, PyAny>) -> PyResult<State> {
+    let refused = || {
+        let message = format!("`start` is {}, expected: (q, v), two lists of numbers", dynamics::shown(start));
+        PyTypeError::new_err(message)
+    };
+    let parts = start.try_iter().map_err(|_| refused())?.collect::<PyResult<Vec<_>>>()?;
+    if parts.iter().any(|part| part.len().is_err()) {
+        return Err(refused());
+    }
+    let list = |(index, part)| dynamics::numbers(&format!("`start[{index}]`"), part, "a list of numbers");
+    let lists = parts.iter().enumerate().map(list).collect::<PyResult<Vec<_>>>()?;
+    let [position, velocity] = <[Vec<f64>; 2]>::try_from(lists)
         .map_err(|given| PyValueError::new_err(format!("`start` has {} parts, expected: (q, v)", given.len())))?;
+    fitting(model, position, velocity)
+}
+
+/// Coordinates and velocities, as many as the scene has.
+fn fitting(model: &Model, position: Vec<f64>, velocity: Vec<f64>) -> PyResult<State> {
     let (q, v) = (model.position_count(), model.velocity_count());
     let given = (position.len(), velocity.len());
     if given == (q, v) {
@@ -560,22 +579,42 @@ fn fitting(model: &Model, start: Vec<Vec<f64>>) -> PyResult<State> {
 /// of the scene's length, velocities in parts of the largest.
 const SLACK: f64 = 1e-6;
 
+/// The norm of four numbers that stand for a turn.
+fn norm(turn: &[f64]) -> f64 {
+    turn.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Where the quaternions of a model are among its positions, with the bodies whose hinges have them.
+fn quaternions(model: &Model) -> impl Iterator<Item = (&str, Range<usize>)> {
+    model.bodies.iter().filter_map(|body| {
+        let (first, kind) = (body.hinge.position, &body.hinge.kind);
+        let turn = first + kind.plain_coordinates()..first + kind.counts().0;
+        (!turn.is_empty()).then_some((body.name.as_str(), turn))
+    })
+}
+
+/// Refuses positions whose quaternions are none of unit norm.
+pub(crate) fn with_turns(model: &Model, position: &[f64]) -> PyResult<()> {
+    for (name, turn) in quaternions(model) {
+        let norm = norm(&position[turn]);
+        if norm.is_nan() || (norm - 1.0).abs() > SLACK {
+            let message = format!("the quaternion of the hinge of `{name}` has norm {norm}, allowed: 1");
+            return Err(PyValueError::new_err(message));
+        }
+    }
+    Ok(())
+}
+
 /// Quaternions of unit norm, in numbers that are finite.
 pub(crate) fn checked(model: &Model, state: State) -> PyResult<State> {
     let State { mut position, velocity } = state;
     if position.iter().chain(&velocity).any(|x| !x.is_finite()) {
         return Err(PyValueError::new_err("a state has finite numbers alone"));
     }
-    for body in &model.bodies {
-        let (count, _) = body.hinge.kind.counts();
-        let own = &mut position[body.hinge.position..body.hinge.position + count];
-        let Some(turn @ [_, ..]) = own.get_mut(body.hinge.kind.plain_coordinates()..) else { continue };
-        let norm = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (norm - 1.0).abs() > SLACK {
-            let message = format!("the quaternion of the hinge of `{}` has norm {norm}, allowed: 1", body.name);
-            return Err(PyValueError::new_err(message));
-        }
-        turn.iter_mut().for_each(|x| *x /= norm);
+    with_turns(model, &position)?;
+    for (_, turn) in quaternions(model) {
+        let norm = norm(&position[turn.clone()]);
+        position[turn].iter_mut().for_each(|x| *x /= norm);
     }
     Ok(State { position, velocity })
 }

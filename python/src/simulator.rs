@@ -2,6 +2,7 @@
 
 use crate::RunError;
 use crate::control::{inputs, outputs, set};
+use crate::dynamics::shown;
 use crate::interrupt::Interrupt;
 use crate::run::Asked;
 use crate::scene::{checked, closed, frozen};
@@ -151,8 +152,12 @@ impl Simulator {
         let is_moved = q.is_some() || v.is_some();
         for (name, given, own) in [("q", q, &mut next.state.position), ("v", v, &mut next.state.velocity)] {
             let Some(given) = given else { continue };
-            if given.len() != own.len() || given.iter().any(|x| !x.is_finite()) {
-                let message = format!("`{name}` has {} numbers, the scene {}; all finite", given.len(), own.len());
+            if given.len() != own.len() {
+                let message = format!("`{name}` has {} numbers, the scene {}", given.len(), own.len());
+                return Err(PyValueError::new_err(message));
+            }
+            if let Some(at) = given.iter().position(|x| !x.is_finite()) {
+                let message = format!("`{name}[{at}]` is {}, allowed: finite numbers", given[at]);
                 return Err(PyValueError::new_err(message));
             }
             *own = given;
@@ -186,9 +191,11 @@ impl Simulator {
     }
 
     /// Puts it where `state` was called.
-    fn restore(&self, state: &Bound<'_, PyTuple>) -> PyResult<()> {
+    fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
         type Kept = (f64, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<f64>>);
-        let (time, position, velocity, inputs, memories): Kept = state.extract()?;
+        let (time, position, velocity, inputs, memories): Kept = state.extract().map_err(|_| {
+            PyTypeError::new_err(format!("`state` is {}, expected: what `Simulator.state()` gave", shown(state)))
+        })?;
         if !(time >= 0.0 && time.is_finite()) {
             return Err(PyValueError::new_err(format!(
                 "the time of the state is {time}, allowed: a finite number ≥ 0"

@@ -122,3 +122,9 @@ def test_polars_and_pandas_take_runs_sweeps_paths_and_modes():
     path = scene.path("gravity[2]", 0.0, -9.80665)
     branch = polars.DataFrame(path.branches[0])
     assert branch.columns[0] == "gravity[2]" and set(branch["verdict"]) <= {"stable", "unstable", "neutral"}
+
+
+def test_a_column_without_a_measurement_is_an_error():
+    scene = stillpoint.load(FITS / "test_rig.toml")
+    with pytest.raises(ValueError, match="nothing was measured in `angle`"):
+        scene.fit({"angle": [float("nan")]}, ["arm.stiffness"])

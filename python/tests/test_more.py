@@ -413,3 +413,72 @@ def test_arguments_are_taken_as_they_come():
         scene.run(1.0, controller=lambda t, y: math.nan if t > 0.05 else 0.0, period=0.1)
     except ValueError as error:
         assert error.run.end_time <= 0.1 and "before its time" in repr(error.run)
+
+
+def test_responses_at_no_frequency_are_limits():
+    linear = stillpoint.load(SCENARIOS / "balanced_cart.toml").linearize()
+    names, found = linear.outputs, linear.response(0.0)[0, :, 0]
+    at = dict(zip(names, found))
+    assert np.isinf(at["x"]) and np.isinf(at["speed"]) and not np.isnan(found).any()
+    low = linear.response([1e-5])[0, names.index("angle"), 0]
+    assert at["angle"] == pytest.approx(low, rel=1e-9) and at["rate"] == 0
+
+
+def test_a_step_that_overflows_is_refused():
+    linear = stillpoint.load(SCENARIOS / "balanced_cart.toml").linearize()
+    with pytest.raises(ArithmeticError, match="over a step of 1000 s .* eigenvalue is 4"):
+        linear.discretize(1000.0)
+
+
+@pytest.mark.parametrize("scale", [0.0, 2.0, 1e300])
+def test_quaternions_of_another_norm_are_refused_by_dynamics(scale):
+    scene = stillpoint.load(SCENARIOS / "machine_on_mounts.toml")
+    dynamics, q, v = scene.dynamics(), scene.q.copy(), scene.v
+    q[3:] *= scale
+    for call in (
+        lambda: dynamics.jacobian("machine.left", q),
+        lambda: dynamics.mass(q),
+        lambda: dynamics.acceleration(q, v),
+        lambda: dynamics.inverse(q, v, v),
+        lambda: dynamics.derivatives(q, v),
+    ):
+        with pytest.raises(ValueError, match="the quaternion of the hinge of `machine` has norm .*, allowed: 1"):
+            call()
+
+
+def test_a_mass_matrix_that_is_not_finite_is_an_error():
+    scene = stillpoint.load(SCENARIOS / "spring_arm.toml")
+    q = scene.q.copy()
+    q[3] = 1e300
+    with pytest.raises(ArithmeticError):
+        scene.dynamics().mass(q)
+
+
+def test_a_run_says_where_it_starts(tmp_path):
+    rest = stillpoint.load(SCENARIOS / "spring_arm.toml").equilibrium()
+    run = rest.run(0.1)
+    assert run.as_dict()["start"] == rest.as_dict()
+    run.save(tmp_path / "run.mcap")
+    assert stillpoint.open(tmp_path / "run.mcap").as_dict() == run.as_dict()
+    assert stillpoint.describe(SLIDER).run(0.1).as_dict()["start"] == "given"
+
+
+def test_wrong_arguments_are_named():
+    scene = stillpoint.describe(SLIDER)
+    for error, words, call in (
+        (ValueError, r"`q\[0\]` is (nan|NaN)", lambda: scene.simulator().set(q=[math.nan])),
+        (TypeError, r"`start` is .*, expected: \(q, v\)", lambda: scene.run(0.1, start=scene.q)),
+        (TypeError, "`frequencies` is 'a'|`frequencies`", lambda: scene.linearize().response("a")),
+        (TypeError, "`state` is 3 ", lambda: scene.simulator().restore(3)),
+        (TypeError, r"`over\[\"mass.stiffness\"\]` is 900.0", lambda: scene.sweep({"mass.stiffness": 900.0})),
+        (TypeError, "`sets` is 'abc'", lambda: scene.batch("abc", 0.1)),
+        (ValueError, "`threads` is 0", lambda: scene.batch([{}], 0.1, threads=0)),
+        (ValueError, "^`inputs`: nothing is called `foo`", lambda: scene.linearize(inputs="foo")),
+        (KeyError, r"did you mean `frequency\[0\]`", lambda: scene.equilibrium().sensitivity("frequencies_hz[0]")),
+        (ValueError, "one frequency", lambda: scene.equilibrium().sensitivity("frequency[9]")),
+    ):
+        with pytest.raises(error, match=words):
+            call()
+    with pytest.raises(KeyError) as caught:
+        scene.run(0.1, controller=lambda time, outputs: {"pushh": 1}, period=0.02)
+    assert caught.value.args[0].startswith("at t = 0 s: no input is called `pushh`")

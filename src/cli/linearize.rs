@@ -24,8 +24,8 @@ pub(super) struct Arguments {
     common: Common,
     #[command(flatten)]
     structure: scene::Structure,
-    /// What pushes: a motor, a drive (by the acceleration of its target), `crank.force` of a hinge or `push.force[0]` of a
-    /// load; may be repeated. Default: all motors of type `input`
+    /// What pushes: a motor, a drive (by the acceleration of its target), by name or by place as `drive[0]`, `crank.force` of a
+    /// hinge or `push.force[0]` of a load; may be repeated. Default: all motors of type `input`
     #[arg(long, value_name = "ADDRESS")]
     input: Vec<String>,
     /// What is observed: an `[[output]]` of the scenario; may be repeated. Default: all
@@ -91,8 +91,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     };
     let [input, output] = [&arguments.input, &arguments.output].map(|names| (!names.is_empty()).then_some(&names[..]));
-    let found =
-        about(&scenario.description, &model, (&place, &idle), input, output).with_context(|| scenario.name.clone())?;
+    let found = about(&scenario.description, &model, (&place, &idle), (input, of_option), output)
+        .with_context(|| scenario.name.clone())?;
     if !common.quiet {
         found.notes.iter().for_each(|note| output::note(note));
     }
@@ -100,7 +100,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let title = if model.title.is_empty() { &scenario.name } else { &model.title };
     let picture = |path| pixels::by_name(path)?(bode::draw(&found, title, arguments.theme)?);
     let picture = arguments.bode.as_deref().map(picture).transpose()?;
-    let mut answer = answer(&model, &place, &found, arguments.discretize);
+    let mut answer = answer(&model, &place, &found, arguments.discretize)
+        .with_context(|| format!("{}: `--discretize`", scenario.name))?;
     let swings = response::swings(&found, &arguments.response);
     if !swings.is_empty() {
         answer["response"] = response::json(&swings);
@@ -132,7 +133,7 @@ pub(super) fn about_equilibrium(
     input: Option<&[String]>,
     output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
-    about(description, model, (&of_equilibrium(model, found), &idle_stops(model, found)), input, output)
+    about(description, model, (&of_equilibrium(model, found), &idle_stops(model, found)), (input, of_argument), output)
 }
 
 /// These equations about a state as it stands, at a time (s).
@@ -146,11 +147,24 @@ pub(super) fn about_state(
     input: Option<&[String]>,
     output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
-    about(description, model, (&of_state(time, state), &[]), input, output)
+    about(description, model, (&of_state(time, state), &[]), (input, of_argument), output)
 }
 
 fn of_state(time: f64, State { position, velocity }: State) -> Place {
     Place { time, position, velocity, multipliers: None, held: Vec::new(), pressed: Vec::new() }
+}
+
+/// Where the name of an input comes from, in words.
+type InputLabel = fn(&str) -> String;
+
+/// On the command line.
+fn of_option(name: &str) -> String {
+    format!("`--input {name}`")
+}
+
+/// In an argument of a function.
+fn of_argument(_: &str) -> String {
+    "`inputs`".to_owned()
 }
 
 /// The equations about a place, at which stops of these hinges touch and bear next to nothing.
@@ -158,7 +172,7 @@ fn about(
     description: &Description,
     model: &Arc<Model>,
     (place, idle): (&Place, &[String]),
-    input: Option<&[String]>,
+    (input, label): (Option<&[String]>, InputLabel),
     output: Option<&[String]>,
 ) -> anyhow::Result<StateSpace> {
     for name in output.unwrap_or_default() {
@@ -168,7 +182,7 @@ fn about(
             bail!("the scenario has no output `{name}`{}", near.unwrap_or_default());
         }
     }
-    let mut found = linear::linearize(model, place, &inputs(input, description, model)?, output)?;
+    let mut found = linear::linearize(model, place, &inputs((input, label), description, model)?, output)?;
     if let Some(name) = found.idle.first().filter(|_| input.is_some()) {
         bail!(
             "nothing feels the input `{name}`: at this place it pushes what is locked, held by a stop or a drive, or across all \
@@ -222,7 +236,11 @@ fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
     }
 }
 
-fn inputs(named: Option<&[String]>, description: &Description, model: &Model) -> anyhow::Result<Vec<Input>> {
+fn inputs(
+    (named, label): (Option<&[String]>, InputLabel),
+    description: &Description,
+    model: &Model,
+) -> anyhow::Result<Vec<Input>> {
     let motors = description.motors.iter().filter(|motor| matches!(motor.law, MotorLawDescription::Input { .. }));
     let own: Vec<String> = motors.map(|motor| motor.name.clone()).collect();
     let names = named.unwrap_or(&own);
@@ -230,11 +248,11 @@ fn inputs(named: Option<&[String]>, description: &Description, model: &Model) ->
     for name in names {
         let found = Input::find(description, model, name).map_err(|unfit| {
             let help = unfit.help.map_or(String::new(), |help| format!("\nhint: {help}"));
-            anyhow!("`--input {name}`: {}{help}", unfit.message)
+            anyhow!("{}: {}{help}", label(name), unfit.message)
         })?;
         for input in found {
             if all.contains(&input) {
-                bail!("`--input {name}`: `{}` is an input already", input.name());
+                bail!("{}: `{}` is an input already", label(name), input.name());
             }
             all.push(input);
         }
@@ -251,7 +269,7 @@ fn names(signals: &[Signal]) -> Vec<&str> {
     signals.iter().map(|signal| signal.name.as_str()).collect()
 }
 
-fn answer(model: &Model, place: &Place, found: &StateSpace, step: Option<f64>) -> Value {
+fn answer(model: &Model, place: &Place, found: &StateSpace, step: Option<f64>) -> Result<Value, linear::Overflow> {
     let units = |signals: &[Signal]| signals.iter().map(|signal| signal.unit.clone()).collect::<Vec<_>>();
     let mut value = json!({
         "A": rows(&found.a), "B": rows(&found.b), "C": rows(&found.c), "D": rows(&found.d),
@@ -271,10 +289,10 @@ fn answer(model: &Model, place: &Place, found: &StateSpace, step: Option<f64>) -
         },
     });
     if let Some(step) = step {
-        let (a, b) = linear::hold(&found.a, &found.b, step);
+        let (a, b) = found.hold(step)?;
         value["discrete"] = json!({ "step": step, "A": rows(&a), "B": rows(&b) });
     }
-    value
+    Ok(value)
 }
 
 /// Eigenvalues that are printed; `--json` has all.

@@ -221,9 +221,11 @@ pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
     answer
 }
 
-/// What `run --json` prints of a run of this scenario that is not on disk.
-pub fn run_answer(scenario: &str, summary: &Summary) -> serde_json::Value {
-    json::run(scenario, "", serde_json::Value::Null, summary)
+/// What `run --json` prints of a run of this scenario that is not on disk. Of one that starts at an equilibrium `start` is null here: it is
+/// the [`statics_answer`] of that.
+pub fn run_answer(scenario: &str, starts_as_given: bool, summary: &Summary) -> serde_json::Value {
+    let start = if starts_as_given { run::GIVEN.into() } else { serde_json::Value::Null };
+    json::run(scenario, "", start, summary)
 }
 
 /// What `study --fit --json` prints of a fit, without the names of its files.

@@ -67,7 +67,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if !common.json && !common.quiet {
         output::announce(&text::heading(&model, &scenario.name));
     }
-    let from_file = || Some((given(&model), json!("given")));
+    let from_file = || Some((given(&model), json!(GIVEN)));
     let started = if arguments.start.is_some() {
         from_file()
     } else {
@@ -101,6 +101,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     run.go(&start, found, recorder)
 }
 
+/// What is said of a start that is not searched for.
+pub(super) const GIVEN: &str = "given";
+
 /// The state to start from and what is said of it in JSON; `None` if there is no equilibrium to start from. On a terminal all that
 /// statics says of it if `verbose`, else one line.
 pub(super) fn start(
@@ -110,7 +113,7 @@ pub(super) fn start(
     verbose: bool,
 ) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
-        return Ok(Some((given(model), json!("given"))));
+        return Ok(Some((given(model), json!(GIVEN))));
     }
     let (found, wall) = statics::find(scenario, model)?;
     let (value, _) = statics::told(scenario, model, &found, wall)?;

@@ -273,6 +273,10 @@ impl<'t> Parser<'t> {
                 let (_, span) = self.advance()?;
                 match self.variables.iter().position(|known| *known == name) {
                     Some(index) => self.variable(to, index),
+                    None if CONSTANTS.iter().any(|(known, _)| *known == name) => {
+                        let message = format!("`{name}` is a constant, and braces hold names that were given");
+                        Err(FormulaError::new(span, message).help(format!("write `{name}` without braces")))
+                    }
                     None => Err(self.unknown(name, span, self.variables.iter().copied())),
                 }
             }

@@ -1,9 +1,11 @@
 //! What pushes a scene from outside: forces in coordinates, components of loads, targets of drives.
 
 use crate::force::Act;
+use crate::model::address::split_component;
 use crate::model::description::{Description, ForceKind, LoadAxes};
 use crate::model::output::{Source, follows_from};
 use crate::model::parameter::Field;
+use crate::model::problem::counted;
 use crate::model::{Element, Model, Output, Parameter, Quantity};
 use crate::spatial::link::LinkMotion;
 use crate::suggest::closest;
@@ -52,7 +54,8 @@ pub struct Unfit {
 }
 
 impl Input {
-    /// The inputs that a name stands for: a motor or a drive, `hinge.force` of a body by its address, a load's components.
+    /// The inputs that a name stands for: a motor or a drive (by name, or by place as `drive[0]`), `hinge.force` of a body by its address, a
+    /// load's components.
     ///
     /// # Errors
     /// If it stands for nothing that pushes.
@@ -62,6 +65,9 @@ impl Input {
         }
         if let Some(drive) = model.drives.iter().position(|drive| drive.name == name) {
             return Ok(vec![Self::Drive { name: name.to_owned(), drive }]);
+        }
+        if let Some(input) = Self::by_place(model, name) {
+            return input.map(|input| vec![input]);
         }
         let found = Parameter::find(description, name).map_err(|error| {
             let known = model
@@ -95,6 +101,28 @@ impl Input {
             }
         };
         found.iter().map(one).collect()
+    }
+
+    /// `motor[0]`, `drive[1]`: by its place in the scene, with or without a name; `None` for other names.
+    fn by_place(model: &Model, name: &str) -> Option<Result<Self, Unfit>> {
+        let (kind, Some(place)) = split_component(name) else { return None };
+        let (found, count) = match kind {
+            "motor" => (
+                model.motors.get(place).map(|motor| Self::motor(model, place, &motor.name)),
+                counted(model.motors.len(), "motor", "motors"),
+            ),
+            "drive" => (
+                model.drives.get(place).map(|drive| Self::Drive { name: drive.name.clone(), drive: place }),
+                counted(model.drives.len(), "drive", "drives"),
+            ),
+            _ => return None,
+        };
+        Some(
+            found.ok_or_else(|| Unfit {
+                message: format!("`{name}`: the scene has {count}, counted from 0"),
+                help: None,
+            }),
+        )
     }
 
     fn motor(model: &Model, motor: usize, name: &str) -> Self {

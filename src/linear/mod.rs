@@ -19,9 +19,10 @@ mod beside;
 mod discrete;
 mod inputs;
 mod kinks;
+mod response;
 mod told;
 
-pub use discrete::hold;
+pub use discrete::{Overflow, hold};
 pub use inputs::{Input, Unfit};
 pub use told::{LeftOut, Why};
 
@@ -337,14 +338,5 @@ impl StateSpace {
         let mut list: Vec<[f64; 2]> = values.iter().map(|x| [x.re, x.im]).collect();
         list.sort_by(|a, b| a[1].abs().total_cmp(&b[1].abs()).then(a[0].total_cmp(&b[0])).then(a[1].total_cmp(&b[1])));
         list
-    }
-
-    /// The frequency response `C (iω − A)⁻¹ B + D` at a circular frequency (rad/s).
-    pub fn response(&self, omega: f64) -> Mat<c64> {
-        let n = self.a.nrows();
-        let complex = |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0));
-        let shifted = Mat::from_fn(n, n, |i, j| c64::new(-self.a[(i, j)], if i == j { omega } else { 0.0 }));
-        let x = shifted.partial_piv_lu().solve(complex(&self.b));
-        complex(&self.c) * x + complex(&self.d)
     }
 }

@@ -6,6 +6,7 @@ use super::findings::{Finding, Findings};
 use super::naming::{Element, Item, found, written};
 use super::reader::number;
 use crate::budget::LARGEST;
+use crate::formula::Formula;
 use crate::suggest::closest;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -94,6 +95,7 @@ impl Check<'_> {
         let help = inner
             .map(|key| format!("it is a key of `{0}`: `{0} = {{ {word} = … }}`", key.name))
             .or_else(|| did_you_mean(word, element.table.names(of_type)))
+            .or_else(|| singular(word, element.table.names(of_type)).map(|near| format!("did you mean `{near}`?")))
             .unwrap_or_else(|| format!("allowed: {}", listed(element.table.names(of_type))));
         self.findings.push(Finding::error(name.span(), message).help(help));
     }
@@ -216,8 +218,42 @@ impl Check<'_> {
             return;
         }
         let message = format!("{} must be {}, found {}", item.subject(), kind.expected(), found(value.get_ref()));
-        self.findings.push_value(Finding::error(value.span(), message).maybe_help(item.example()));
+        let help = match (kind, value.get_ref()) {
+            (Kind::List(Kind::Table(_), _), DeValue::Table(_)) => {
+                Some(format!("write `[[{0}]]` in place of `[{0}]`", item.key.name))
+            }
+            (_, DeValue::String(text)) if holds_numbers(kind) => constant(text).or_else(|| item.example()),
+            _ => item.example(),
+        };
+        self.findings.push_value(Finding::error(value.span(), message).maybe_help(help));
     }
+}
+
+/// Whether a number may stand there, alone or in a list.
+fn holds_numbers(kind: &Kind) -> bool {
+    match kind {
+        Kind::Number(_) => true,
+        Kind::List(of, _) => holds_numbers(of),
+        Kind::Either(kinds) => kinds.iter().any(holds_numbers),
+        _ => false,
+    }
+}
+
+/// What to write in place of a formula in constants alone.
+fn constant(text: &str) -> Option<String> {
+    let value = Formula::parse(text, &[]).ok()?.value(&[]);
+    value.is_finite().then(|| {
+        format!("write {value:?}: a text is a formula only if it has a name of `[parameters]` in braces, as `\"{{a}} * pi\"`")
+    })
+}
+
+/// The known name of which a word is the regular English plural.
+fn singular<'a>(word: &str, mut known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known.find(|name| {
+        let stem = name.strip_suffix('y').map(|stem| format!("{stem}ies"));
+        stem.is_some_and(|plural| plural == word)
+            || [format!("{name}s"), format!("{name}es")].iter().any(|it| it == word)
+    })
 }
 
 /// Whether a value has the outer type of a kind, so that what is wrong with it is said in that kind's words.

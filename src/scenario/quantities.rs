@@ -68,12 +68,17 @@ fn quantity(
     };
     let (plain, unit) = text.split_at(quantity.unit_start);
     if unit.is_empty() {
-        let plain = plain.trim();
-        let help = match units {
-            Some([]) | None => format!("write `{plain}` without quotes"),
-            Some([unit, ..]) => format!("write `{plain}` without quotes, or `\"{plain} {unit}\"`"),
+        let (plain, of_toml) = (plain.trim(), of_toml(plain.trim()));
+        // On a command line there are no quotes around what TOML does not take for a number.
+        let (message, quotes) = match plain == of_toml {
+            true => (format!("the text {} has no unit", written(value.get_ref())), " without quotes"),
+            false => (format!("`{plain}` needs a digit on both sides of its point"), ""),
         };
-        refuse(0..text.len(), format!("the text {} has no unit", written(value.get_ref())), Some(help));
+        let help = match units {
+            Some([]) | None => format!("write `{of_toml}`{quotes}"),
+            Some([unit, ..]) => format!("write `{of_toml}`{quotes}, or `\"{of_toml} {unit}\"`"),
+        };
+        refuse(0..text.len(), message, Some(help));
         return None;
     }
     match misfit(quantity.dimension.into(), unit, units) {
@@ -83,6 +88,14 @@ fn quantity(
             None
         }
     }
+}
+
+/// A number with digits on both sides of its point, as TOML wants them: `.5` is `0.5`, `5.` is `5.0`.
+fn of_toml(number: &str) -> String {
+    let Some((before, after)) = number.split_once('.') else { return number.to_owned() };
+    let is_digit = |c: char| c.is_ascii_digit();
+    let [first, last] = [before.ends_with(is_digit), after.starts_with(is_digit)].map(|has| if has { "" } else { "0" });
+    format!("{before}{first}.{last}{after}")
 }
 
 /// Why a number that measures this, written in `unit`, cannot stand where one of `units` is asked for: none for pure numbers,

@@ -1,6 +1,8 @@
 //! What the TOML parser says, in words for people who do not know its grammar.
 
+use super::fields::Kind;
 use super::findings::{Finding, Findings};
+use super::format::SCENARIO;
 use super::sources::Sources;
 use crate::import::is_model;
 use std::collections::HashSet;
@@ -29,13 +31,24 @@ pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Finding
         };
         let finding = if error.message() == "duplicate key" {
             let key = sources.text(&span);
-            Finding::error(span, format!("`{key}` is given twice")).help("keep one of the two")
+            let help = match text[..span.start].ends_with('[') && is_list(key) {
+                true => {
+                    format!("`[{key}]` is the only one, `[[{key}]]` one of several: write `[[{key}]]` in both places")
+                }
+                false => "keep one of the two".to_owned(),
+            };
+            Finding::error(span, format!("`{key}` is given twice")).help(help)
         } else {
             Finding::error(span, readable(error.message()))
         };
         findings.push(finding);
     }
     document.into_inner()
+}
+
+/// Whether a key of a scenario holds a list of tables.
+fn is_list(key: &str) -> bool {
+    SCENARIO.declarations(key).any(|key| matches!(key.kind, Kind::List(of, _) if matches!(of, Kind::Table(_))))
 }
 
 fn readable(message: &str) -> String {

@@ -854,3 +854,43 @@ fn keys_of_inner_tables_say_where_they_belong() {
     let told = stillpoint::scenario::parse("s.toml", text, &[]).expect_err("a problem").render(false);
     assert!(told.contains("unknown key `parent`") && told.contains("`hinge = { parent = … }`"), "{told}");
 }
+
+/// A scene of one body, with this position.
+fn at(position: &str) -> String {
+    let hinge = format!("hinge = {{ type = \"prismatic\", axis = [0, 0, 1], position = {position} }}");
+    format!("[[body]]\nname = \"a\"\nmass = 1.0\n{hinge}\n")
+}
+
+#[test]
+fn a_number_without_a_digit_before_its_point_is_given_one() {
+    let said = said(&at("1.0"), &["simulate.duration=.5"]);
+    assert!(said.contains("`.5` needs a digit on both sides of its point"), "{said}");
+    assert!(said.contains("write `0.5`, or `\"0.5 s\"`"), "{said}");
+}
+
+#[test]
+fn a_table_beside_a_list_of_tables_gets_double_brackets() {
+    let both = at("1.0").replace("[[body]]", "[body]") + &at("2.0").replace("\"a\"", "\"b\"");
+    let said = said(&both, &[]);
+    assert!(said.contains("write `[[body]]` in both places"), "{said}");
+}
+
+#[test]
+fn a_single_table_in_place_of_a_list_gets_double_brackets() {
+    let said = said(&at("1.0").replace("[[body]]", "[body]"), &[]);
+    assert!(said.contains("write `[[body]]` in place of `[body]`"), "{said}");
+}
+
+#[test]
+fn a_plural_is_taken_for_its_singular() {
+    let said = said(&at("1.0").replace("[[body]]", "[[bodies]]"), &[]);
+    assert!(said.contains("did you mean `body`?"), "{said}");
+}
+
+#[test]
+fn constants_in_texts_are_explained() {
+    let braces = said(&at("\"{pi}/2\""), &[]);
+    assert!(braces.contains("`pi` is a constant") && braces.contains("write `pi` without braces"), "{braces}");
+    let plain = said(&at("\"pi/2\""), &[]);
+    assert!(plain.contains("write 1.5707963267948966"), "{plain}");
+}

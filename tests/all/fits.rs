@@ -173,6 +173,7 @@ fn what_does_not_fit_together_is_refused_with_its_name() {
             FitQuestion { deviations: vec![("pan.mass".into(), 1.0)], ..stiffness.clone() },
             "no measured column",
         ),
+        (table(&[("time", &MASSES), ("z", &HEIGHTS)]), stiffness.clone(), "`--run`"),
         (table(&[("pan.mass", &[1.0, -1.0]), ("z", &[0.1, 0.2])]), stiffness.clone(), "row 2 of the data"),
     ] {
         if expected.is_empty() {
@@ -242,6 +243,17 @@ fn the_program_says_which_line_is_no_number() {
     let (code, _, error) = rig(data.to_str().unwrap(), &["--parameter", "arm.stiffness"]);
     assert_eq!(code, Some(2));
     assert!(error.contains("line 3: `much` in `angle`"), "{error}");
+}
+
+/// A table in which nothing was measured is refused with its file and the column.
+#[test]
+fn a_column_without_a_measurement_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data.csv");
+    std::fs::write(&data, "weight.force[2],angle\n-1,\n-2,nan\n").unwrap();
+    let (code, _, error) = rig(data.to_str().unwrap(), &["--parameter", "arm.stiffness"]);
+    assert_eq!(code, Some(2));
+    assert!(error.contains("data.csv: nothing was measured in `angle`"), "{error}");
 }
 
 /// Heights that are the better explained the stiffer the spring is: the pan hangs below zero, and was read above.

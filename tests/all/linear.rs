@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::sync::Arc;
 use stillpoint::constraint::assemble;
 use stillpoint::dynamics::System;
-use stillpoint::linear::{Input, Mat, Place, StateSpace, hold, linearize};
+use stillpoint::linear::{Input, Mat, Place, Signal, StateSpace, hold, linearize};
 use stillpoint::model::Model;
 use stillpoint::model::couplings::*;
 use stillpoint::model::description::*;
@@ -640,12 +640,106 @@ fn responses_by_drives_are_transmissibilities() {
         let size = f64::hypot(top[0], top[1]) / f64::hypot(bottom[0], bottom[1]);
         let phase = (top[1].atan2(top[0]) - bottom[1].atan2(bottom[0])).to_degrees();
         assert_eq!((&one["input"], &one["output"], &one["unit"]), (&"shake".into(), &"place".into(), &"1".into()));
-        // At no frequency at all a drive's target is free: nothing holds it back.
-        let Some(amplitude) = one["amplitude"].as_f64().filter(|_| hz > 0.0) else { continue };
+        // At 0 Hz the target of the drive, a double integrator, cancels: the mass moves as far as the base.
+        let amplitude = one["amplitude"].as_f64().expect("finite");
         assert!((amplitude - size).abs() < 1e-9 * size, "{hz} Hz: {amplitude} for {size}");
         assert!((one["phase_deg"].as_f64().unwrap() - phase).abs() < 1e-7, "{hz} Hz: {one}");
     }
     let (fine, text) = call(&["--response", "0.5"]);
     assert!(fine && text.contains("0.5 Hz  place by shake"), "{text}");
     assert!(!call(&["--response", "-2"]).0 && !call(&["--response", "1", "--output", "none"]).0);
+}
+
+/// At 0 Hz what follows the free cart grows without bound, and what does not has the limit of low frequencies: the cart cancels there.
+#[test]
+fn poles_and_zeros_cancel_at_no_frequency() {
+    let answer = Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+        .args(["linearize", &file("balanced_cart").display().to_string(), "--json", "--response", "0,0.00001"])
+        .output()
+        .unwrap();
+    let told: Value = serde_json::from_slice(&answer.stdout).unwrap();
+    let all = told["response"].as_array().unwrap();
+    let of =
+        |output: &str, hz: f64| all.iter().find(|one| one["output"] == output && one["frequency_hz"] == hz).unwrap();
+    for output in ["x", "speed"] {
+        let one = of(output, 0.0);
+        assert!(one["amplitude"].is_null() && one["note"] == "nothing holds it back", "{one}");
+    }
+    let (limit, low) =
+        (of("angle", 0.0)["amplitude"].as_f64().unwrap(), of("angle", 1e-5)["amplitude"].as_f64().unwrap());
+    // It changes with the square of the frequency over those of the pole, some 4 1/s: by 2e-10.
+    assert!((limit / low - 1.0).abs() < 1e-9, "{limit} for {low}");
+    assert_eq!(of("rate", 0.0)["amplitude"], 0.0);
+}
+
+/// Equations of one input, and outputs with unit coefficients of the states.
+fn equations(a: &[&[f64]], b: &[f64], c: &[&[f64]]) -> StateSpace {
+    let matrix = |rows: &[&[f64]]| Mat::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
+    let signals = |count: usize| (0..count).map(|k| Signal { name: format!("{k}"), unit: "N".to_owned() }).collect();
+    StateSpace {
+        a: matrix(a),
+        b: Mat::from_fn(b.len(), 1, |i, _| b[i]),
+        c: matrix(c),
+        d: Mat::zeros(c.len(), 1),
+        states: signals(b.len()),
+        inputs: signals(1),
+        outputs: signals(c.len()),
+        dependent: Vec::new(),
+        left_out: Vec::new(),
+        idle: Vec::new(),
+        notes: Vec::new(),
+    }
+}
+
+/// At the very frequency of an undamped oscillator what it moves is infinite, what it does not move is not, and nothing is NaN.
+#[test]
+fn a_resonance_is_infinite_and_no_nan() {
+    let oscillator: [&[f64]; 3] = [&[0.0, 1.0, 0.0], &[-4.0, 0.0, 0.0], &[0.0, 0.0, -2.0]];
+    let found = equations(&oscillator, &[0.0, 1.0, 1.0], &[&[1.0, 0.0, 0.0], &[0.0, 0.0, 1.0]]).response(2.0);
+    let (swings, decays) = (found[(0, 0)], found[(1, 0)]);
+    assert!(swings.norm() == f64::INFINITY && !swings.re.is_nan() && !swings.im.is_nan(), "{swings}");
+    // 1/(2i + 2)
+    assert!((decays.re - 0.25).abs() < 1e-14 && (decays.im + 0.25).abs() < 1e-14, "{decays}");
+}
+
+/// Two bodies on a stiff spring, free together: pushed steadily they run away, and the spring is `f m₂/(m₁ + m₂)/k` shorter.
+#[test]
+fn what_drifts_as_a_whole_has_finite_strains() {
+    let (k, m) = (1e8, [2.0, 3.0]);
+    let a: [&[f64]; 4] = [
+        &[0.0, 0.0, 1.0, 0.0],
+        &[0.0, 0.0, 0.0, 1.0],
+        &[-k / m[0], k / m[0], 0.0, 0.0],
+        &[k / m[1], -k / m[1], 0.0, 0.0],
+    ];
+    let found =
+        equations(&a, &[0.0, 0.0, 1.0 / m[0], 0.0], &[&[1.0, -1.0, 0.0, 0.0], &[1.0, 0.0, 0.0, 0.0]]).response(0.0);
+    let expected = m[1] / (m[0] + m[1]) / k;
+    // The null space is found to some units in the last place, of states that differ by a thousand in size.
+    assert!((found[(0, 0)].re / expected - 1.0).abs() < 1e-9, "{} for {expected}", found[(0, 0)]);
+    // 1/s² is negative along the imaginary axis.
+    assert_eq!(found[(1, 0)].re, f64::NEG_INFINITY);
+}
+
+/// A step over which the equations overflow is refused with the step and what grows.
+#[test]
+fn a_step_that_overflows_is_refused() {
+    let answer = Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+        .args(["linearize", &file("balanced_cart").display().to_string(), "--json", "--discretize", "1000"])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&answer.stderr).into_owned();
+    assert!(!answer.status.success() && answer.stdout.is_empty(), "{error}");
+    assert!(error.contains("over a step of 1000 s") && error.contains("fastest growing eigenvalue is 4.1"), "{error}");
+}
+
+/// `drive[0]` is the first drive, whatever it is called.
+#[test]
+fn inputs_are_found_by_place() {
+    let scenario = load(&file("double_wishbone")).unwrap();
+    let model = Model::build(&scenario.description).unwrap();
+    let find = |name| Input::find(&scenario.description, &model, name);
+    assert_eq!(find("drive[0]").unwrap(), find("bump").unwrap());
+    let error = find("drive[7]").unwrap_err().to_string();
+    assert!(error.contains("`drive[7]`: the scene has 1 drive"), "{error}");
 }

@@ -294,7 +294,7 @@ fn names_that_are_not_known_are_refused() {
     let unknown = answers(&scale(""), &["frequncy[0]"]).unwrap_err();
     assert!(unknown.to_string().contains("no output `frequncy[0]`; did you mean `frequency[0]`?"), "{unknown}");
     let beyond = answers(&scale(""), &["frequency[3]"]).unwrap_err();
-    assert!(beyond.to_string().contains("0 to 0"), "{beyond}");
+    assert!(beyond.to_string().contains("one frequency, `frequency[0]`"), "{beyond}");
     let twice = "[[body]]\nname = \"b\"\nrepeat = 1\nmass = 1.0\ncenter = [0, 0, -1]\n\
                  hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]] }\n";
     let repeated = answers(twice, &["frequency[0]"]).unwrap_err();

@@ -3,7 +3,7 @@
 //! `.npz` is a zip archive of `.npy` arrays, here stored without compression; a level 4 `.mat` is one header and its numbers
 //! after the other, column by column.
 
-use crate::linear::{Mat, Signal, StateSpace, hold};
+use crate::linear::{Mat, Overflow, Signal, StateSpace};
 use anyhow::bail;
 use serde_json::Value;
 use std::path::Path;
@@ -46,17 +46,17 @@ impl Format {
     /// The content of the file.
     ///
     /// # Errors
-    /// If an array is too large for the format.
+    /// If an array is too large for the format, or the equations from step to step are not finite.
     pub(super) fn bytes(self, found: &StateSpace, step: Option<f64>, answer: &Value) -> anyhow::Result<Vec<u8>> {
         match self {
             Self::Json => Ok(format!("{answer:#}\n").into_bytes()),
-            Self::Npz => npz(&arrays(found, step)),
-            Self::Mat => mat(&arrays(found, step)),
+            Self::Npz => npz(&arrays(found, step)?),
+            Self::Mat => mat(&arrays(found, step)?),
         }
     }
 }
 
-fn arrays(found: &StateSpace, step: Option<f64>) -> Vec<Array> {
+fn arrays(found: &StateSpace, step: Option<f64>) -> Result<Vec<Array>, Overflow> {
     let words = |signals: &[Signal]| Content::Words(signals.iter().map(|signal| signal.name.clone()).collect());
     let numbers = |matrix: &Mat<f64>| Content::Numbers(matrix.clone());
     let mut all = vec![
@@ -70,12 +70,12 @@ fn arrays(found: &StateSpace, step: Option<f64>) -> Vec<Array> {
         Array { name: "outputs", content: words(&found.outputs) },
     ];
     if let Some(step) = step {
-        let (a, b) = hold(&found.a, &found.b, step);
+        let (a, b) = found.hold(step)?;
         all.push(Array { name: "Ad", content: Content::Numbers(a) });
         all.push(Array { name: "Bd", content: Content::Numbers(b) });
         all.push(Array { name: "step", content: Content::Numbers(Mat::from_fn(1, 1, |_, _| step)) });
     }
-    all
+    Ok(all)
 }
 
 /// One array as `.npy`, format 1.0.

@@ -21,16 +21,15 @@ pub(super) struct Swing {
 pub(super) fn swings(found: &StateSpace, frequencies: &[f64]) -> Vec<Swing> {
     let mut all = Vec::new();
     for hz in frequencies {
-        let omega = TAU * hz;
-        let response = found.response(omega);
+        let response = found.transmissibility(TAU * hz);
         for (j, input) in found.inputs.iter().enumerate() {
-            let (by, of) = match input.unit.as_str() {
-                "m/s²" => (-omega * omega, "m"),
-                "rad/s²" => (-omega * omega, "rad"),
-                other => (1.0, other),
+            let of = match input.unit.as_str() {
+                "m/s²" => "m",
+                "rad/s²" => "rad",
+                other => other,
             };
             for (i, output) in found.outputs.iter().enumerate() {
-                let (re, im) = (by * response[(i, j)].re, by * response[(i, j)].im);
+                let (re, im) = (response[(i, j)].re, response[(i, j)].im);
                 let unit = if output.unit == of { "1".to_owned() } else { quotient(&output.unit, of) };
                 all.push(Swing {
                     hz: *hz,
@@ -46,13 +45,20 @@ pub(super) fn swings(found: &StateSpace, frequencies: &[f64]) -> Vec<Swing> {
     all
 }
 
-/// As `--json` has them; `null` where nothing holds back what swings.
+/// What is said of an amplitude that grows without bound.
+const UNBOUNDED: &str = "nothing holds it back";
+
+/// As `--json` has them. An amplitude that grows without bound is `null`, and `note` says so.
 pub(super) fn json(swings: &[Swing]) -> Value {
     let one = |swing: &Swing| {
-        json!({
+        let mut value = json!({
             "frequency_hz": swing.hz, "input": swing.input, "output": swing.output,
             "amplitude": swing.amplitude, "phase_deg": swing.phase, "unit": swing.unit,
-        })
+        });
+        if !swing.amplitude.is_finite() {
+            value["note"] = UNBOUNDED.into();
+        }
+        value
     };
     swings.iter().map(one).collect()
 }
@@ -72,7 +78,7 @@ pub(super) fn lines(swings: &[Swing]) -> String {
         out += &format!("\n  {head:<12} {} Hz  {:<widest$}  ", frequencies[index], pair(swing));
         out += &match swing.amplitude.is_finite() {
             true => format!("{} {unit:<units$}  {}°", sizes[index], phases[index].trim_end()),
-            false => "nothing holds it back".to_owned(),
+            false => UNBOUNDED.to_owned(),
         };
     }
     out

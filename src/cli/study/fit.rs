@@ -77,6 +77,7 @@ pub(super) fn main(arguments: &Arguments, data: &Path) -> anyhow::Result<Exit> {
             return Ok(Exit::Interrupted);
         }
         Err(Trouble::Problems(problems)) => return Ok(refused(&problems)),
+        Err(Trouble::Data(why)) => bail!("{}: {why}", data.display()),
         Err(Trouble::Wrong(why)) => bail!("{why}"),
     };
     if let Some(out) = &options.out {

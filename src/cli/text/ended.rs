@@ -113,6 +113,23 @@ fn pending(summary: &Summary) -> String {
     summary.pending.iter().map(line).collect()
 }
 
+/// What contacts did otherwise than their laws and events say.
+fn of_contacts(summary: &Summary) -> String {
+    let mut out = String::new();
+    if summary.held_back > 0 {
+        let impacts = count(summary.held_back, "impact", "impacts");
+        let _ = writeln!(
+            out,
+            "  held back    {impacts} came back with less than the restitution, which would have gained energy there"
+        );
+    }
+    if summary.capture_steps > 0 {
+        let steps = count(summary.capture_steps, "step", "steps");
+        let _ = writeln!(out, "  captured     {steps} of order 1 where contacts were not followed from event to event");
+    }
+    out
+}
+
 /// The end of a run.
 pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     let mut out = String::new();
@@ -150,17 +167,7 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }
-    if summary.held_back > 0 {
-        let impacts = count(summary.held_back, "impact", "impacts");
-        let _ = writeln!(
-            out,
-            "  held back    {impacts} came back with less than the restitution, which would have gained energy there"
-        );
-    }
-    if summary.capture_steps > 0 {
-        let steps = count(summary.capture_steps, "step", "steps");
-        let _ = writeln!(out, "  captured     {steps} of order 1 where contacts were not followed from event to event");
-    }
+    out += &of_contacts(summary);
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");
     }

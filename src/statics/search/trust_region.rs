@@ -200,7 +200,7 @@ impl Search<'_, '_> {
         self.landscape.look(&self.outcome.place.q)?;
         (self.newton, self.krylov) = (Newton::Unknown, None);
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
-        while self.radius > smallest {
+        while self.radius > smallest && self.landscape.goes_on() {
             let trial = match self.landscape.is_written() {
                 true => self.cut_newton().or_else(|| self.within_space()),
                 false => self.within_radius(),
@@ -226,6 +226,10 @@ impl Search<'_, '_> {
             }
             if taken.is_some() || self.landscape.halted_at().is_some() {
                 return Ok(taken);
+            }
+            if !(trial.size > 0.0) {
+                // Nothing was tried: the shift is beyond all numbers, or so far above the stiffness that the step vanishes.
+                self.radius *= 0.25;
             }
             // The trial moved the system: back to where the step starts.
             self.landscape.look(&self.outcome.place.q)?;

@@ -219,7 +219,10 @@ fn of_name(
     }
     let Some(index) = name.strip_prefix("frequency[").and_then(|rest| rest.strip_suffix(']')?.parse().ok()) else {
         let known = model.outputs.iter().map(|output| output.name.as_str()).chain(["frequency[0]"]);
-        let hint = closest(name, known).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+        // As tables of `sweep` call it.
+        let of_table = name.strip_prefix("frequencies_hz").map(|place| format!("frequency{place}"));
+        let near = of_table.or_else(|| closest(name, known).map(str::to_owned));
+        let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
         return Err(SensitivityError::Output { name: name.to_owned(), hint });
     };
     let (shape, value) =
@@ -235,6 +238,7 @@ fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f
     let Some(mode) = modes.get(index) else {
         return Err(match modes.len() {
             0 => "the equilibrium has no frequencies".to_owned(),
+            1 => "the equilibrium has one frequency, `frequency[0]`".to_owned(),
             count => format!("the frequencies of the equilibrium are 0 to {}", count - 1),
         });
     };

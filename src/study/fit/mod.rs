@@ -143,6 +143,9 @@ pub enum Trouble {
     /// Numbers that make no scene.
     #[error("{}", .0.summary())]
     Problems(Diagnostics),
+    /// A column of the data, or all of it.
+    #[error("{0}")]
+    Data(String),
     /// Data, parameters or scene do not fit together.
     #[error("{0}")]
     Wrong(String),

@@ -77,7 +77,8 @@ impl<'p> Problem<'p> {
         let settings = roles.settings.iter().map(|place| table.columns[*place].name.clone());
         let paths: Vec<String> = settings.chain(question.parameters.iter().map(|one| one.address.clone())).collect();
         let experiments = experiments(table, roles);
-        let first: Vec<f64> = experiments[0].settings.iter().chain(start).copied().collect();
+        let Some(first) = experiments.first() else { return Err(nothing_measured(table, roles)) };
+        let first: Vec<f64> = first.settings.iter().chain(start).copied().collect();
         let scenes = Scenes::new((scenario, set), paths, &first, roles.more.clone())?;
         let about = about(table, question, roles, &experiments)?;
         let numbers = |address: &str| Parameter::find(&scenario.description, address).ok();
@@ -263,6 +264,21 @@ impl Residuals for Problem<'_> {
     }
 }
 
+/// Why columns without a single number cannot be fitted to.
+fn empty(names: &[&str]) -> String {
+    let cells = if names.len() == 1 { "its cells" } else { "their cells" };
+    format!(
+        "nothing was measured in `{}`: all of {cells} are empty or `nan`; `--ignore` leaves a column out",
+        names.join("`, `")
+    )
+}
+
+/// Of a table in which nothing was measured at all.
+fn nothing_measured(table: &MeasuredTable, roles: &Roles) -> Trouble {
+    let names: Vec<&str> = roles.measured.iter().map(|one| table.columns[one.column].name.as_str()).collect();
+    Trouble::Data(empty(&names))
+}
+
 /// The experiments of a table, in the order in which they come first.
 fn experiments(table: &MeasuredTable, roles: &Roles) -> Vec<Experiment> {
     let mut all: Vec<Experiment> = Vec::new();
@@ -318,7 +334,7 @@ fn about(
         let readings = experiments.iter().flat_map(|one| &one.readings).filter(|reading| reading.measure == measure);
         let values: Vec<f64> = readings.map(|reading| reading.value).collect();
         if values.is_empty() {
-            return Err(Trouble::Wrong(format!("nothing was measured in `{name}`: all of its cells are empty")));
+            return Err(Trouble::Data(empty(&[&name])));
         }
         let given = question.deviations.iter().find(|(given, _)| *given == name).map(|(_, deviation)| *deviation);
         Ok((name, one.unit.clone(), given.unwrap_or_else(|| spread(&values))))

@@ -59,7 +59,7 @@ impl Roles {
         for name in &question.ignored {
             if !table.columns.iter().any(|column| column.name == *name) {
                 let near = near(name, table.columns.iter().map(|column| column.name.as_str()));
-                return Err(Trouble::Wrong(format!("the data has no column `{name}` to ignore{near}")));
+                return Err(Trouble::Data(format!("the data has no column `{name}` to ignore{near}")));
             }
         }
         let mut roles = Self::default();
@@ -75,7 +75,7 @@ impl Roles {
         }
         if question.run && roles.time.is_none() {
             let why = "a fit to runs needs a column `time` (s)";
-            return Err(Trouble::Wrong(why.to_owned()));
+            return Err(Trouble::Data(why.to_owned()));
         }
         if roles.measured.is_empty() {
             let known = known_measures(model);
@@ -83,7 +83,7 @@ impl Roles {
                 true => "the scene has no `[[output]]`".to_owned(),
                 false => format!("the scene has `{}`", known.join("`, `")),
             };
-            return Err(Trouble::Wrong(format!("no column is something measured: {has}")));
+            return Err(Trouble::Data(format!("no column is something measured: {has}")));
         }
         Ok(roles)
     }
@@ -100,7 +100,7 @@ impl Roles {
         if name == TIME && question.run {
             check_unit(column, "s")?;
             if column.values.iter().any(|time| !(*time >= 0.0)) {
-                return Err(Trouble::Wrong("the column `time` has a cell that is no time ≥ 0 s".to_owned()));
+                return Err(Trouble::Data("the column `time` has a cell that is no time ≥ 0 s".to_owned()));
             }
             self.time = Some(place);
             return Ok(None);
@@ -154,7 +154,7 @@ impl Roles {
                 format!("`{name}` has no number in row {}: what was set has to be known in every row", row + 1);
             // A column that is nothing at all is told as that.
             if accepts(scenario, set, name, 1.0).is_ok() {
-                return Err(Trouble::Wrong(message));
+                return Err(Trouble::Data(message));
             }
         }
         let number = Parameter::find(&scenario.description, name);
@@ -170,8 +170,13 @@ impl Roles {
             let mut known = known_measures(model);
             known.extend(Parameter::all(&scenario.description).into_iter().map(|one| one.address));
             known.extend(question.run.then(|| TIME.to_owned()));
+            if name == TIME && !question.run {
+                let message = "the column `time` is the time of a run, and the fit is to equilibria; with `run` (`--run`) it is to a \
+                               run, `--ignore time` leaves it out";
+                return Err(Trouble::Data(message.to_owned()));
+            }
             let near = near(name, known.iter().map(String::as_str));
-            return Err(Trouble::Wrong(format!(
+            return Err(Trouble::Data(format!(
                 "the column `{name}` is neither an output nor a number of the scene{near}; `--ignore` leaves it out"
             )));
         }
@@ -205,7 +210,7 @@ fn check_unit(column: &DataColumn, unit: &str) -> Result<(), Trouble> {
         Ok(own) if own != measured => {
             let message =
                 format!("the unit in the heading of `{}` does not fit: it is measured in {unit}", column.name);
-            Err(Trouble::Wrong(message))
+            Err(Trouble::Data(message))
         }
         _ => Ok(()),
     }

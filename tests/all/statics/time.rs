@@ -123,3 +123,26 @@ fn loads_over_time_are_what_they_are_at_the_start() {
         assert!(apart < 1e-9, "{apart}");
     }
 }
+
+/// A beam whose weight is near the end of all numbers: the shift of its steps is beyond them, and each step vanishes.
+#[test]
+fn a_weight_at_the_end_of_all_numbers_ends() {
+    let text = r#"
+        gravity = [0.0, 0.0, 1e154]
+        [[beam]]
+        name = "rod"
+        hinge = { type = "fixed" }
+        length = 1.0
+        elements = 8
+        section = { stiffness = [1e4, 1e4, 1e4, 1.0, 1.0, 1.0] }
+        mass_per_length = 1.0
+        free = ["bend"]
+    "#;
+    let scenario = scenario::parse("scene.toml", text, &[]).expect("a sound scene");
+    let (model, time_limit) = (build(&scenario.description), 2.0);
+    let before = Instant::now();
+    let found = equilibrium(&model, &Settings { time_limit, ..Settings::default() }, &model.start_position);
+    assert!(found.map_or(true, |found| !found.converged));
+    // Some steps may be under way when the time is over.
+    assert!(before.elapsed().as_secs_f64() < time_limit + 8.0, "{:?}", before.elapsed());
+}
