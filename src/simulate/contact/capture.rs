@@ -10,7 +10,8 @@
 //! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back behind
 //! every step ([`super::raise`]), and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
 //! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
-//! order 2 where contacts roll, and what spins keeps its energy: the midpoint rule has no growth of its own. A step and its two halves are compared in positions, as velocities jump at impacts, and the halves are kept.
+//! order 2 where contacts roll, and what spins keeps its energy: the midpoint rule has no growth of its own. A step and its two halves are
+//! compared in positions, as velocities jump at impacts, and the halves are kept.
 
 use super::moreau::{Ahead, Ask, Made, SWEEPS_OF_STEP, moreau};
 use super::{Contacts, Regime};
@@ -38,8 +39,8 @@ const CLOSES: f64 = 1e-4;
 const FOUND: f64 = 0.02;
 /// Forces at rest balance to this part of what the scene accelerates with, as far as sweeps take them.
 const BALANCED: f64 = 1e-7;
-/// Once for each rest.
-const SWEEPS_AT_REST: usize = 50_000;
+/// Sweeps for them, once for each rest: some times those of a step.
+const SWEEPS_AT_REST: usize = 5_000;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
 /// A step gains no more than this part of the kinetic energy.
