@@ -17,6 +17,7 @@ mod contact_beside_stops;
 mod contact_forces;
 mod contact_in_motion;
 mod contact_reference;
+mod contact_slips;
 mod control;
 mod creep;
 mod cylinders;

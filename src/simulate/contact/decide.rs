@@ -1,6 +1,7 @@
 //! An instant of contact: impacts, what touches afterwards, and whether it sticks, slips or lifts.
 
 use super::impact::FOUND;
+use super::slip;
 use super::watch::BEYOND;
 use super::{Closed, ContactState, Contacts, GAP, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, ConeState, Law, Problem};
@@ -22,9 +23,6 @@ pub(super) const SLIPS: f64 = 1e-9;
 const AGAINST: f64 = 1e-4;
 /// What is open sinks by no more than this part of the largest acceleration.
 pub(super) const SINKS: f64 = 1e-7;
-/// Directions that differ by less are one, of what slips and of what begins to.
-const PARALLEL: f64 = 1e-6;
-const ALIKE: f64 = 0.5;
 /// Turns of the directions of slips that begin.
 const MOST_TURNS: usize = 20;
 /// Sweeps of the cone problem until the states of its contacts are tried, more of them each time: they may be right long before its forces are.
@@ -182,11 +180,19 @@ impl Contacts {
     /// Contacts of these frames are closed from now on: those that slip do, others stick until it is decided; what stuck goes on to
     /// if it is `undisturbed` by impacts.
     fn close(&mut self, frames: &[Frame], undisturbed: bool, time: f64) {
+        // What comes to rest may take others along that hardly move any more: the directions of these would be what is left of rounding.
+        let before = |frame: &Frame| self.closed.iter().find(|was| was.key == frame.key);
+        let comes_to_rest = |frame: &Frame| before(frame).is_some_and(|was| self.has_come_to_rest(was, &frame.slip()));
+        let any_ends = frames.iter().any(comes_to_rest);
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
-            // Between two steps rows are met to the accuracy of the interpolation only.
-            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.state == ContactState::Stick);
-            let state = self.moves(frame, if undisturbed && stuck { self.kept } else { self.slow });
+            let was = before(frame);
+            let state = match was {
+                Some(was) if undisturbed && was.state == ContactState::Stick => self.moves(frame, self.kept),
+                Some(was) if any_ends && self.rest_of(was) > 0.0 => self.moves(frame, slip::ENDS * self.still),
+                _ => self.moves(frame, self.slow),
+            };
+            let moved = was.is_some_and(|was| was.moved) && slip.norm() > self.still;
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
@@ -194,7 +200,7 @@ impl Contacts {
             let before = self.closed.iter().find(|was| was.key == frame.key && was.pushes == pushes);
             let since = before.map_or(time, |was| was.since);
             let (key, gap) = (frame.key, meeting.gap);
-            Closed { key, state, axis, gap, meeting, force, slip, straight, begins, across, pushes, since }
+            Closed { key, state, axis, gap, meeting, force, slip, straight, moved, begins, across, pushes, since }
         });
         self.closed = closed.collect();
     }
@@ -341,73 +347,6 @@ impl Contacts {
         let largest = self.closed.iter().map(|closed| closed.force.amax()).fold(0.0, f64::max);
         self.scale = if largest > 0.0 { largest } else { self.scale };
         self.reserve.take();
-    }
-
-    /// Slips begin in the directions that have been found: straight on where all of a couple have one, nearly.
-    pub(super) fn begin_slips(&mut self) {
-        for closed in &mut self.closed {
-            closed.straight = false;
-            closed.begins = match closed.state {
-                ContactState::Slip(direction) => direction,
-                _ => Vector3::zeros(),
-            };
-        }
-        self.straighten();
-    }
-
-    /// Contacts of a couple that slip in one direction, nearly, do so straight on, in the mean of them.
-    fn straighten(&mut self) {
-        for at in 0..self.closed.len() {
-            let couple = self.closed[at].key.couple;
-            if self.closed[..at].iter().any(|closed| closed.key.couple == couple) {
-                continue;
-            }
-            let own: Vec<usize> = (at..self.closed.len()).filter(|i| self.closed[*i].key.couple == couple).collect();
-            let slip = |i: &usize| match self.closed[*i].state {
-                ContactState::Slip(direction) if direction != Vector3::zeros() => Some(direction),
-                _ => None,
-            };
-            let directions: Vec<Vector3<f64>> = own.iter().filter_map(slip).collect();
-            let Some(mean) = directions.iter().sum::<Vector3<f64>>().try_normalize(1e-3) else { continue };
-            let moves = own.iter().any(|i| self.closed[*i].slip.norm() > self.slow);
-            let near = if moves { PARALLEL } else { ALIKE };
-            let straight = directions.iter().all(|direction| (direction - mean).norm() <= near);
-            for i in own {
-                let closed = &mut self.closed[i];
-                if let ContactState::Slip(direction) = &mut closed.state
-                    && straight
-                    && *direction != Vector3::zeros()
-                {
-                    *direction = mean;
-                    closed.straight = true;
-                }
-            }
-        }
-    }
-
-    /// Turns slips that begin to where nothing keeps them straight; those that have a direction, and all if it is the `last` turn, go
-    /// on as they will, each in the direction that it was read with.
-    fn turn(&mut self, last: bool) {
-        let mut couples: Vec<usize> =
-            self.closed.iter().filter(|closed| closed.straight).map(|closed| closed.key.couple).collect();
-        couples.dedup();
-        for couple in couples {
-            let own = |closed: &&Closed| closed.straight && closed.key.couple == couple;
-            let across: f64 = self.closed.iter().filter(own).map(|closed| closed.across).sum();
-            let moves = self.closed.iter().filter(own).any(|closed| closed.slip.norm() > self.slow);
-            let friction = self.rubs(couple);
-            let ends = last || moves || !(friction > 0.0);
-            for closed in self.closed.iter_mut().filter(|closed| closed.straight && closed.key.couple == couple) {
-                closed.straight = !ends;
-                let ContactState::Slip(direction) = &mut closed.state else { continue };
-                if ends {
-                    *direction = closed.begins;
-                } else {
-                    let sideways = closed.meeting.normal.cross(direction);
-                    *direction = (*direction - sideways * (across / friction)).normalize();
-                }
-            }
-        }
     }
 
     /// What the rows of these states give.

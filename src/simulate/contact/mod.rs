@@ -15,7 +15,8 @@
 //!
 //! **The direction of slip** turns at a rate that grows without bound as the slip gets slower: `|u| φ̇ = a_⊥`, with `a_⊥` what accelerates
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
-//! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
+//! an event ends it as soon as there is one. A slip that turns has its own direction until it is slower than what the tolerance of the run
+//! tells from rest: that is an event, as its direction says nothing any more, and the cone problem says whether it sticks.
 //!
 //! | file | its one job |
 //! |---|---|
@@ -24,6 +25,7 @@
 //! | `impact` | what approaching bodies do to their velocities |
 //! | `joint` | joints of level bodies: what is carried on over them |
 //! | `watch` | (2): the numbers whose change of sign is an event |
+//! | `slip` | how a slip begins, goes straight on, turns and comes to rest |
 //! | `spring` | compliant contacts |
 //! | `capture` | steps that capture all events of an instant |
 //! | `moreau` | one such step |
@@ -40,6 +42,7 @@ mod joint;
 mod moreau;
 mod raise;
 mod rows;
+mod slip;
 mod spring;
 mod watch;
 
@@ -128,6 +131,8 @@ pub(super) struct Closed {
     /// Whether it slips along a straight line, and the force across that, in parts of friction.
     straight: bool,
     across: f64,
+    /// Whether it has slipped faster than what is told from rest since it began to.
+    moved: bool,
     /// The direction in which its slip begins by itself, as read from the last decision.
     begins: Vector3<f64>,
     /// Whether it may bear, since when (s): a compliant one does not where it would pull.
@@ -155,8 +160,10 @@ pub(super) struct Contacts {
     rest: f64,
     /// What forces are compared with (N).
     scale: f64,
-    /// Of slips: below this speed their direction is kept (m/s).
+    /// What stuck before an instant and has no more than this speed sticks (m/s).
     kept: f64,
+    /// A slip that turns and has become as slow as this is at rest (m/s).
+    still: f64,
     carried: Vec<LinkAcceleration>,
     frames: Vec<Frame>,
     /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
@@ -189,7 +196,7 @@ pub(super) struct Contacts {
 const SLOW: f64 = 1e-9;
 /// A slip goes straight on if what holds it there is less than this part of friction.
 const STRAIGHT: f64 = 1e-6;
-/// The direction of a slip that turns is kept within a step below this part of the scene's speed.
+/// Between two steps rows are met to the accuracy of the interpolation only: below this part of the scene's speed what stuck does.
 const KEPT: f64 = 1e-4;
 impl Contacts {
     /// The contacts of a model, none of them closed yet; at the first instant those are whose gap is at most `closing` of a shape's
@@ -218,6 +225,7 @@ impl Contacts {
             rest: 4.0 * (2.0 * acceleration * REBOUND_OF_BODIES.of(model.length_scale())).sqrt(),
             scale: mass * acceleration,
             kept: KEPT * speed,
+            still: SLOW * speed,
             carried: Vec::new(),
             frames: Vec::new(),
             last: (coupling::Coupling::default(), DVector::zeros(0)),
@@ -235,9 +243,11 @@ impl Contacts {
         })
     }
 
-    /// Speeds below those of the tolerance of a run are none.
-    pub(super) fn set_tolerance(&mut self, speed: f64) {
-        self.rest = self.rest.max(speed);
+    /// What the tolerance of a run tells from rest (m/s): below `rebound` nothing comes back from impacts; a slip that turns and is as slow as `still`
+    /// has come to rest.
+    pub(super) fn set_tolerance(&mut self, rebound: f64, still: f64) {
+        self.rest = self.rest.max(rebound);
+        self.still = still.clamp(self.slow, self.kept);
     }
 
     /// Whether what moves along a velocity coordinate may touch something, by itself or through what hangs together with it.

@@ -27,18 +27,6 @@ struct Row {
 }
 
 impl Contacts {
-    /// The direction in which a contact slips.
-    fn direction(&self, closed: &Closed) -> Vector3<f64> {
-        let ContactState::Slip(held) = closed.state else { return Vector3::zeros() };
-        let (slip, speed) = (closed.slip, closed.slip.norm());
-        let n = closed.meeting.normal;
-        let flat = (held - n * n.dot(&held)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-        if held == Vector3::zeros() || closed.straight || slip.dot(&flat) <= 0.0 {
-            return flat;
-        }
-        if speed >= self.kept { slip / speed } else { flat }
-    }
-
     fn rows(&self) -> Vec<Row> {
         let mut rows = Vec::new();
         for (of, (closed, frame)) in self.closed.iter().zip(&self.frames).enumerate() {

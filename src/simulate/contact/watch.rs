@@ -23,7 +23,7 @@ pub(in crate::simulate) enum Aspect {
     Spring(usize),
     /// How deep a closed contact that bears nothing is (m).
     Depth(usize),
-    /// Slip of a closed contact along the direction in which it began.
+    /// Slip of a closed contact along the direction in which the step began, less what is told from rest if it turns.
     Slip(usize),
 }
 
@@ -86,7 +86,7 @@ impl Contacts {
             Aspect::Slip(at) => {
                 let closed = &self.closed[at];
                 let ContactState::Slip(held) = closed.state else { return [1.0, 0.0] };
-                [closed.slip.dot(&held), 0.0]
+                [closed.slip.dot(&held) - self.rest_of(closed), 0.0]
             }
         }
     }
@@ -232,22 +232,5 @@ impl Contacts {
             }
         };
         frames.iter().map(law).collect()
-    }
-
-    /// At the end of a step: what slips goes on in the direction that it has then.
-    pub(in crate::simulate) fn turn_along(&mut self, step: f64) {
-        self.accepted += 1;
-        let acceleration = self.model.gravity.norm();
-        for at in 0..self.closed.len() {
-            let friction = self.law(self.closed[at].key.couple).friction.slide;
-            let closed = &mut self.closed[at];
-            let (ContactState::Slip(direction), speed) = (&mut closed.state, closed.slip.norm()) else { continue };
-            if *direction == Vector3::zeros() || closed.straight || speed == 0.0 {
-                continue;
-            }
-            // What hardly moves turns by a part: its direction is what the forces of a step leave of it.
-            let part = if speed > self.kept { 1.0 } else { (0.1 * speed / (step * friction * acceleration)).min(1.0) };
-            *direction = (*direction * (1.0 - part) + closed.slip * (part / speed)).normalize();
-        }
     }
 }

@@ -21,7 +21,8 @@ pub(super) fn allow(motion: &mut Equations, model: &Arc<Model>, settings: &Setti
     let refuse = |why: String| RunError::Contact { name: model.contacts[0].name.clone(), why };
     let mut contacts = Contacts::new(model, settings.gap).map_err(|why| refuse(why.to_string()))?;
     let speed = model.length_scale() / model.time_scale();
-    contacts.set_tolerance(REST_SPEEDS * settings.absolute_tolerance * speed);
+    let still = settings.absolute_tolerance * speed;
+    contacts.set_tolerance(REST_SPEEDS * still, still);
     motion.contacts = Some(Box::new(contacts));
     Ok(())
 }
