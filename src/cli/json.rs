@@ -278,7 +278,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         },
         "beams": beams,
         "modal": modals::json(model, position, &summary.poses),
-        "notes": unknown.into_iter().chain(text::doubt(model, summary)).chain(text::wound(summary)).collect::<Vec<_>>(),
+        "notes": unknown.into_iter().chain(text::doubt(model, summary)).chain(text::wound(summary)).chain(text::across(summary)).collect::<Vec<_>>(),
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })

@@ -8,7 +8,7 @@ use crate::constraint::Assembly;
 use crate::contact::support;
 use crate::model::{Body, Model, Output};
 use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
-pub(super) use ended::{doubt, run, verified, wound};
+pub(super) use ended::{across, doubt, run, verified, wound};
 use std::fmt::Write;
 use std::time::Duration;
 

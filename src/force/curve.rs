@@ -167,7 +167,7 @@ impl Act for CurveLaw {
         let (is_speed, extension) = (boundary % 2 == 1, distance - self.length);
         let kink = self.table(boundary).map_or(f64::NAN, |table| table.kink(boundary / 2));
         let (value, of_value) = if is_speed { (rate - kink, 0.0) } else { (extension - kink, rate) };
-        Switch { value, rate: of_value, is_speed, at: extension, speed: rate }
+        Switch { value, rate: of_value, is_speed, at: extension, speed: rate, size: None }
     }
 
     fn keep(&mut self, links: &[LinkMotion]) {

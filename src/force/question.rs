@@ -214,6 +214,8 @@ pub struct Switch {
     pub rate: f64,
     /// Whether it is a speed.
     pub is_speed: bool,
+    /// What it is compared with; `None` if that is a length, an angle or a speed.
+    pub size: Option<f64>,
     /// The number that an event says beside its name (m).
     pub at: f64,
     /// How fast that changes (m/s).

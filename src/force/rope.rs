@@ -205,7 +205,7 @@ impl Act for RopeLaw {
             _ => (extension, true),
         };
         let (at, rate_of_value) = (self.length + extension, if known { rate } else { 0.0 });
-        Switch { value, rate: rate_of_value, is_speed: false, at, speed: rate }
+        Switch { value, rate: rate_of_value, is_speed: false, at, speed: rate, size: None }
     }
 
     fn keep(&mut self, links: &[LinkMotion]) {

@@ -66,6 +66,12 @@ impl Table {
         each.fold(f64::INFINITY, f64::min).max(1e-3 * whole)
     }
 
+    /// From its first to its last point: a straight line continues it beyond them.
+    pub fn span(&self) -> [f64; 2] {
+        let end = |of: Option<&f64>| of.copied().unwrap_or(0.0);
+        [end(self.at.first()), end(self.at.last())]
+    }
+
     /// What is wrong with points `[x, f]`.
     pub fn check(points: &[[f64; 2]]) -> Option<BadPoint> {
         let bad = |index, message, help| Some(BadPoint { index, message, help });

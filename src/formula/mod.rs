@@ -16,8 +16,8 @@
 //! ```
 //!
 //! At a kink (`abs`, `min`, `max`, `if`, `floor`, …) they are those of the branch that is taken. Kinks at a time are known before
-//! a run, and so is what a formula of time does for a short time only ([`Formula::instants`]): steps end there. A kink at a place or
-//! a speed is no event: a run does not look for it.
+//! a run, and so is what a formula of time does for a short time only ([`Formula::instants`]): steps end there. A run keeps a formula
+//! of places and speeds in one smooth piece within a step ([`Pieces`]), and ends the step where it comes to another.
 //!
 //! Arithmetic is that of IEEE 754: what has no value is not a number, what is too large is infinite. Whoever evaluates a
 //! formula has to check its result.
@@ -40,6 +40,7 @@ mod instants;
 mod measure;
 mod number;
 mod parse;
+mod pieces;
 mod range;
 mod series;
 mod token;
@@ -47,6 +48,7 @@ mod vocabulary;
 
 pub use error::FormulaError;
 pub use number::Jet;
+pub use pieces::{CellEnd, Pieces};
 pub use vocabulary::vocabulary;
 
 use function::{Binary, Unary};
@@ -169,15 +171,33 @@ impl Formula {
 
     /// One pass over the steps, on as many registers as most formulas need, or as many as any may need.
     fn run<T: Number>(&self, variable: impl Fn(usize) -> T) -> T {
+        self.run_with(variable, |_, _, _| None)
+    }
+
+    /// As [`Formula::run`]; what `instead` gives for a step, by its index, its operation and the registers before it, is its result.
+    fn run_with<T: Number>(
+        &self,
+        variable: impl Fn(usize) -> T,
+        instead: impl FnMut(usize, &Operation, &[T]) -> Option<T>,
+    ) -> T {
         match self.registers {
-            0..=8 => self.run_on(&mut [T::constant(0.0); 8], variable),
-            9..=32 => self.run_on(&mut [T::constant(0.0); 32], variable),
-            _ => self.run_on(&mut [T::constant(0.0); MOST_REGISTERS], variable),
+            0..=8 => self.run_on(&mut [T::constant(0.0); 8], variable, instead),
+            9..=32 => self.run_on(&mut [T::constant(0.0); 32], variable, instead),
+            _ => self.run_on(&mut [T::constant(0.0); MOST_REGISTERS], variable, instead),
         }
     }
 
-    fn run_on<T: Number>(&self, registers: &mut [T], variable: impl Fn(usize) -> T) -> T {
-        for step in &self.steps {
+    fn run_on<T: Number>(
+        &self,
+        registers: &mut [T],
+        variable: impl Fn(usize) -> T,
+        mut instead: impl FnMut(usize, &Operation, &[T]) -> Option<T>,
+    ) -> T {
+        for (at, step) in self.steps.iter().enumerate() {
+            if let Some(given) = instead(at, &step.operation, registers) {
+                registers[step.to] = given;
+                continue;
+            }
             registers[step.to] = match step.operation {
                 Operation::Constant(value) => T::constant(value),
                 Operation::Variable(index) => variable(index),

@@ -69,7 +69,7 @@ impl HingeCurve {
         let (far, speed) = (q[self.coordinate.position] - self.rest, v[self.coordinate.velocity]);
         let is_speed = self.over == CurveOver::Velocity;
         let value = self.argument(q, v) - self.table.kink(point);
-        Switch { value, rate: if is_speed { 0.0 } else { speed }, is_speed, at: far, speed }
+        Switch { value, rate: if is_speed { 0.0 } else { speed }, is_speed, at: far, speed, size: None }
     }
 }
 

@@ -278,9 +278,10 @@ impl Model {
         forces.filter(|(_, force)| force.law.switches().is_some()).map(|(index, _)| index)
     }
 
-    /// Whether laws change within the reach of a motion, where steps end: ropes, and tables with kinks.
+    /// Whether laws change within the reach of a motion, where steps end: ropes, tables with kinks, and formulas that switch.
     pub fn has_boundaries(&self) -> bool {
-        self.forces.iter().any(|force| force.law.boundaries().iter().any(Option::is_some))
+        self.motors.iter().any(|motor| !motor.pieces().is_empty())
+            || self.forces.iter().any(|force| force.law.boundaries().iter().any(Option::is_some))
             || self.curves.iter().any(|curve| curve.table.kinks().iter().any(Option::is_some))
     }
 

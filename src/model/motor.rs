@@ -7,7 +7,7 @@ use super::couplings::{CoordinateName, MotionDescription};
 use super::description::Description;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, counted};
-use crate::formula::Formula;
+use crate::formula::{CellEnd, Formula, Pieces};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
@@ -123,6 +123,11 @@ pub struct Push {
 impl Motor {
     /// The push at a time (s), place and rate of its coordinate.
     pub fn at(&self, time: f64, q: f64, v: f64) -> Push {
+        self.within(&Pieces::default(), time, q, v)
+    }
+
+    /// As [`Motor::at`], with its formula kept in pieces.
+    pub fn within(&self, pieces: &Pieces, time: f64, q: f64, v: f64) -> Push {
         let push = match &self.law {
             MotorLaw::Constant(force) | MotorLaw::Input(force) => Push { force: *force, ..Push::default() },
             MotorLaw::Table { over: Over::Time, at, forces } => {
@@ -141,7 +146,8 @@ impl Motor {
                 }
             }
             MotorLaw::Formula(formula) => {
-                let (force, [by_position, by_velocity]) = formula.gradient(&[time, q, v], [COORDINATE, SPEED]);
+                let (force, [by_position, by_velocity]) =
+                    formula.gradient_within(pieces, &[time, q, v], [COORDINATE, SPEED]);
                 Push { force, by_position, by_velocity }
             }
         };
@@ -149,6 +155,29 @@ impl Motor {
         match push.force.abs() > self.limit {
             true => self.saturated(push.force),
             false => push,
+        }
+    }
+
+    /// The pieces of its formula; none if it has no formula that switches with its coordinate.
+    pub fn pieces(&self) -> Pieces {
+        match &self.law {
+            MotorLaw::Formula(formula) => formula.pieces(&[COORDINATE, SPEED]),
+            _ => Pieces::default(),
+        }
+    }
+
+    /// Keeps its formula in the pieces that a state belongs to.
+    pub fn keep(&self, pieces: &mut Pieces, time: f64, q: f64, v: f64) {
+        if let MotorLaw::Formula(formula) = &self.law {
+            formula.keep(pieces, &[time, q, v], &[1.0, v, 0.0]);
+        }
+    }
+
+    /// How far a piece of its formula is above an end, and its derivatives by the time, the coordinate and its rate.
+    pub fn above(&self, pieces: &Pieces, end: CellEnd, time: f64, q: f64, v: f64) -> (f64, [f64; 3]) {
+        match &self.law {
+            MotorLaw::Formula(formula) => formula.above(pieces, end, &[time, q, v], [TIME, COORDINATE, SPEED]),
+            _ => (f64::NAN, [0.0; 3]),
         }
     }
 

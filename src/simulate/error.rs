@@ -134,6 +134,18 @@ pub enum RunError {
         /// Body whose hinge the last one was at, or the force.
         name: String,
     },
+    /// What both sides of a switch drive back to.
+    #[error(
+        "at t = {} s the formula of `{motor}` switches to and fro: what it does on both sides drives back to the switch, where it has no value; \
+         dry friction is `friction` of a hinge, a control that switches needs a band (`tanh(v/0.01)` for `sign(v)`), and a method of fixed steps \
+         (`integrator = \"rk4\"`) goes across", number(*.time)
+    )]
+    Chatters {
+        /// Time (s).
+        time: f64,
+        /// The motor.
+        motor: String,
+    },
     /// An angle with too few digits after the point.
     #[error(
         "the hinge coordinate {hinge} starts at {} rad, where angles are {rounding:.1e} rad apart and the tolerance is \

@@ -10,6 +10,7 @@
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
 //! that at the start of the next step makes no second event.
 
+mod chatter;
 pub(super) mod dead_centre;
 mod ending;
 mod hidden;
@@ -33,6 +34,7 @@ use crate::simulate::problem::Equations;
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
+use chatter::Chatter;
 use hidden::Hidden;
 use std::sync::Arc;
 use watched::Jump;
@@ -131,6 +133,8 @@ pub(super) enum Transition {
     Relax(StopSide),
     /// A law changes: the step ends there, so that none goes across.
     Switch(Boundary),
+    /// The formula of a motor switches to and fro: it has no value where it is.
+    Chatter(usize),
     /// Bodies meet or part, stick or slip; whether a force has left its cone.
     Contact { at_limit: bool },
     /// The run ends; index of the event.
@@ -167,6 +171,7 @@ pub(super) struct Events {
     outputs: Option<StateOutputs>,
     /// `None` if no event watches an expression.
     hidden: Option<Box<Hidden>>,
+    chatter: Chatter,
 }
 
 impl Events {
@@ -203,6 +208,7 @@ impl Events {
             reserves: Vec::new(),
             outputs,
             hidden: Hidden::new(model),
+            chatter: Chatter::default(),
         })
     }
 
@@ -257,8 +263,8 @@ impl Events {
                 Function::User(event) => WATCHED.of(model.events[event].value.abs().max(1.0)),
                 Function::Contact(aspect) => motion.contacts.as_ref().map_or(0.0, |contacts| contacts.band(aspect)),
                 Function::Law(boundary) => {
-                    let is_speed = motion.switch(time, boundary, &self.state).is_speed;
-                    motion.level(boundary, is_speed, self.tolerance)
+                    let switch = motion.switch(time, boundary, &self.state);
+                    motion.level(boundary, &switch, self.tolerance)
                 }
             };
             let old = before.iter().find(|watch| watch.function == function);
@@ -412,6 +418,11 @@ impl Events {
             && let Some((ends, stop)) = self.ends_at(motion, stepper, [interval[0], until])?
         {
             (index, transition) = (ends, stop);
+        }
+        if let Transition::Switch(_) = transition
+            && let Some(motor) = self.chatters(motion, stepper, index, until)?
+        {
+            transition = Transition::Chatter(motor);
         }
         self.cross(motion, stepper, until, index)?;
         Ok(Some(Hit { time: until, transition }))

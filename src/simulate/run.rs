@@ -97,6 +97,8 @@ pub struct Summary {
     pub memories: Vec<Vec<f64>>,
     /// Beams with elements that turned by more than 1.5 rad in a sample: when they turned most (s), and by how much.
     pub wound: Vec<(f64, Wound)>,
+    /// Motors whose formulas switched to and fro, or too often: steps went across their switches.
+    pub across: Vec<String>,
     /// Impacts: of hinges on their stops, and between bodies.
     pub impacts: usize,
     /// Impacts between bodies that came back with less than their restitution, as all of it would have gained energy.
@@ -167,6 +169,8 @@ struct Run<'m, 'f> {
     /// `None` for a model without stops and events.
     events: Option<Events>,
     event_pace: EventPace,
+    /// Motors whose formulas are followed across their switches.
+    across: Vec<String>,
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
@@ -227,6 +231,7 @@ impl<'m, 'f> Run<'m, 'f> {
             choice: None,
             statistics: Statistics::default(),
             events,
+            across: Vec::new(),
             event_pace: EventPace::new(
                 sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
             ),
@@ -313,6 +318,7 @@ impl Run<'_, '_> {
             capture_steps: motion.contacts.as_ref().map_or(0, |contacts| contacts.captured()),
             samples: self.sampler.count,
             wound: self.sampler.wound,
+            across: self.across,
             wall: self.wall,
         }
     }

@@ -417,6 +417,7 @@ fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> S
     }
     total.statistics.add(&done.statistics);
     keep_worst(&mut total.wound, done.wound.iter().cloned());
+    total.across.extend(done.across.iter().filter(|name| !total.across.contains(name)).cloned().collect::<Vec<_>>());
     let choice = done.choice.clone().or(total.choice);
     Summary {
         events: total.events,
@@ -429,6 +430,7 @@ fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> S
         capture_steps: total.capture_steps + done.capture_steps,
         samples: total.samples + done.samples,
         wound: total.wound,
+        across: total.across,
         wall: total.wall + done.wall,
         choice,
         ..done

@@ -5,7 +5,8 @@
 //! table. Where a scene has something that begins and ends somewhere, no coordinate goes further in a step than
 //!
 //! ```text
-//! (1)  0.4 rad;   half the shortest interval of a table over it;   a twentieth of the scene's length, or 0.4 rad, under a formula of it;
+//! (1)  0.4 rad;   half the shortest interval of a table over it, or as far as that is away;   a twentieth of the scene's length, or 0.4 rad,
+//!      under a formula of it;
 //!      along a curve to the end of the next of its pieces, which are as long as its tangent turns by 0.3 rad or as its shape is resolved
 //! ```
 //!
@@ -28,8 +29,29 @@ const INTERVAL: f64 = 0.5;
 pub(super) struct Stride {
     /// Velocity coordinates, and how far each may go (m, rad).
     reaches: Vec<(usize, f64)>,
+    /// Coordinates under tables.
+    tables: Vec<Tabled>,
     /// Position and velocity coordinates along curves.
     guided: Vec<(usize, usize, Arc<Guide>)>,
+}
+
+/// A coordinate under a table.
+#[derive(Debug, Clone)]
+struct Tabled {
+    position: usize,
+    velocity: usize,
+    /// Where the table begins and ends (m, rad).
+    span: [f64; 2],
+    /// How far the coordinate may go within it (m, rad).
+    within: f64,
+}
+
+impl Tabled {
+    /// How far it may go from a place: what begins further on is met by the step after this one.
+    fn reach(&self, q: f64) -> f64 {
+        let [first, last] = self.span;
+        (first - q).max(q - last).max(self.within)
+    }
 }
 
 impl Stride {
@@ -42,9 +64,14 @@ impl Stride {
                 reaches.extend(own.map(|velocity| (velocity, TURN)));
             }
         }
-        for curve in model.curves.iter().filter(|curve| curve.over == CurveOver::Position) {
-            reaches.push((curve.coordinate.velocity, INTERVAL * curve.table.shortest_interval()));
-        }
+        let over_place = model.curves.iter().filter(|curve| curve.over == CurveOver::Position);
+        let tables = over_place.map(|curve| Tabled {
+            position: curve.coordinate.position,
+            velocity: curve.coordinate.velocity,
+            span: curve.table.span().map(|x| x + curve.rest),
+            within: INTERVAL * curve.table.shortest_interval(),
+        });
+        let tables = tables.collect();
         for motor in model.motors.iter().filter(|motor| motor.is_of_place()) {
             let way = if motor.coordinate.slides { WAY * model.length_scale() } else { TURN };
             reaches.push((motor.coordinate.velocity, way));
@@ -54,13 +81,15 @@ impl Stride {
             Some((link.position, link.velocity, Arc::clone(guide)))
         };
         let guided = model.links.iter().skip(1).filter_map(guide).collect();
-        Self { reaches, guided }
+        Self { reaches, tables, guided }
     }
 
     /// The longest step from a state (s).
     pub(super) fn longest(&self, q: &[f64], v: &[f64]) -> f64 {
         let times = self.reaches.iter().map(|(i, reach)| reach / v[*i].abs());
         let along = |(s, i, guide): &(usize, usize, Arc<Guide>)| guide.stretch(q[*s], v[*i] > 0.0) / v[*i].abs();
+        let under = |table: &Tabled| table.reach(q[table.position]) / v[table.velocity].abs();
+        let times = times.chain(self.tables.iter().map(under));
         let time = times.chain(self.guided.iter().map(along)).fold(f64::INFINITY, f64::min);
         if time.is_finite() && time > 0.0 { time.log2().floor().exp2() } else { f64::INFINITY }
     }
@@ -80,11 +109,22 @@ mod tests {
 
     #[test]
     fn the_fastest_for_its_reach_says_how_long_a_step_may_be() {
-        let stride = Stride { reaches: vec![(0, 0.4), (2, 0.1)], guided: Vec::new() };
+        let stride = Stride { reaches: vec![(0, 0.4), (2, 0.1)], ..Stride::default() };
         // 0.01 s, and the power of two below it.
         assert_eq!(stride.longest(&[], &[40.0, 1e9, -2.0]), 0.007_812_5);
         assert_eq!(stride.longest(&[], &[0.0, 1e9, -2.0]), 0.031_25);
         assert_eq!(stride.longest(&[], &[0.0, 1e9, 0.0]), f64::INFINITY);
         assert_eq!(Stride::default().longest(&[], &[1.0]), f64::INFINITY);
+    }
+
+    /// A table is met wherever a coordinate comes from, and far from it nothing is held up.
+    #[test]
+    fn a_table_is_met_and_holds_nothing_up_that_is_far() {
+        let table = Tabled { position: 0, velocity: 0, span: [1.0, 1.5], within: 0.125 };
+        let stride = Stride { tables: vec![table], ..Stride::default() };
+        for (q, longest) in [(-3.0, 4.0), (0.5, 0.5), (0.99, 0.125), (1.2, 0.125), (2.5, 1.0)] {
+            assert_eq!(stride.longest(&[q], &[1.0]), longest, "from {q}");
+            assert_eq!(stride.longest(&[q], &[-2.0]), 0.5 * longest, "from {q}, back");
+        }
     }
 }

@@ -77,6 +77,7 @@ mod statics;
 mod stride;
 #[cfg(feature = "friction")]
 mod support;
+mod switches;
 mod touch;
 mod undetermined;
 mod units;

@@ -100,6 +100,16 @@ pub(in crate::cli) fn wound(summary: &Summary) -> impl Iterator<Item = String> {
     summary.wound.iter().map(|(time, wound)| format!("at {} s {}", number(*time), wound.note()))
 }
 
+/// Formulas of motors that steps went across.
+pub(in crate::cli) fn across(summary: &Summary) -> impl Iterator<Item = String> {
+    summary.across.iter().map(|motor| {
+        format!(
+            "the formula of `{motor}` switches to and fro: steps go across it, to the error that they see of that; `--verify` measures what is left \
+             (dry friction is `friction` of a hinge)"
+        )
+    })
+}
+
 /// The outputs that are told with a stage.
 fn told(summary: &Summary, stage: &str) -> String {
     let of_stage = summary.told.iter().filter(|(name, ..)| name == stage);
@@ -202,7 +212,7 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         );
     }
     let _ = writeln!(out, "  energy       {}", energies(model, summary));
-    for note in wound(summary) {
+    for note in wound(summary).chain(across(summary)) {
         let _ = writeln!(out, "  note         {note}");
     }
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));

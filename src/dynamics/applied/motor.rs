@@ -8,9 +8,9 @@ use crate::model::motor::{Motor, Push};
 /// What everything that pushes a single coordinate does at a state, in the order of [`Model::pushed`].
 pub fn pushes(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
     let (motors, curves) = out.split_at_mut(model.motors.len());
-    for (push, motor) in motors.iter_mut().zip(&model.motors) {
+    for ((index, push), motor) in motors.iter_mut().enumerate().zip(&model.motors) {
         let at = motor.coordinate;
-        *push = motor.at(time, q[at.position], v[at.velocity]);
+        *push = motor.within(laws.pieces(index), time, q[at.position], v[at.velocity]);
     }
     for (index, force) in model.inputs.iter().zip(&laws.inputs) {
         motors[*index] = model.motors[*index].saturated(*force);
@@ -38,13 +38,16 @@ pub fn vary(model: &Model, pushes: &[Push], dq: &[f64], dv: &[f64], out: &mut [f
 
 /// Power put in (W).
 pub(super) fn input(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64]) -> f64 {
-    let own = |motor: &Motor| match motor.given() {
+    let own = |index: usize, motor: &Motor| match motor.given() {
         Some(_) => 0.0,
-        None => motor.at(time, q[motor.coordinate.position], v[motor.coordinate.velocity]).force,
+        None => {
+            let at = motor.coordinate;
+            motor.within(laws.pieces(index), time, q[at.position], v[at.velocity]).force
+        }
     };
     let power = |motor: &Motor, force: f64| force * v[motor.coordinate.velocity];
     let inputs = model.inputs.iter().map(|index| &model.motors[*index]).zip(&laws.inputs);
-    model.motors.iter().map(|motor| power(motor, own(motor))).sum::<f64>()
+    model.motors.iter().enumerate().map(|(index, motor)| power(motor, own(index, motor))).sum::<f64>()
         + inputs.map(|(motor, force)| power(motor, motor.saturated(*force).force)).sum::<f64>()
 }
 

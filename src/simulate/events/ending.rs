@@ -66,7 +66,8 @@ impl Watch {
     /// The lowest value, with that of the watch before it, if it is one of the same sign: how far an event of the model has come does not
     /// depend on what else has happened since.
     pub(super) fn lowest_since(&self, old: Option<&Watch>) -> f64 {
-        let was = old.filter(|old| matches!(self.function, Function::User(_)) && old.positive == self.positive);
+        let counts = matches!(self.function, Function::User(_) | Function::Law(_));
+        let was = old.filter(|old| counts && old.positive == self.positive);
         was.map_or(f64::INFINITY, |old| old.lowest).min(self.towards(self.last[0]))
     }
 }

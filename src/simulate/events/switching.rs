@@ -17,8 +17,8 @@ impl Equations {
     }
 
     /// A state on the other side of a boundary by less than this is on it: a position or speed is known to the tolerance.
-    pub(in crate::simulate) fn level(&mut self, boundary: Boundary, is_speed: bool, tolerance: f64) -> f64 {
-        tolerance * self.system.switch_scale(boundary, is_speed)
+    pub(in crate::simulate) fn level(&mut self, boundary: Boundary, switch: &Switch, tolerance: f64) -> f64 {
+        tolerance * self.system.switch_scale(boundary, switch)
     }
 
     /// What is told of a boundary that is crossed; `None` if nothing is.
@@ -50,9 +50,9 @@ impl Equations {
     fn passed(&mut self, time: f64, state: &State, tolerance: f64) -> Option<Boundary> {
         let boundaries: Vec<Boundary> = self.system.boundaries().collect();
         boundaries.into_iter().find(|boundary| {
-            let Switch { value, is_speed, .. } = self.switch(time, *boundary, state);
-            let beyond = if self.system.side(*boundary) { -value } else { value };
-            beyond > self.level(*boundary, is_speed, tolerance)
+            let switch = self.switch(time, *boundary, state);
+            let beyond = if self.system.side(*boundary) { -switch.value } else { switch.value };
+            beyond > self.level(*boundary, &switch, tolerance)
         })
     }
 }

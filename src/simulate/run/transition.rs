@@ -1,6 +1,6 @@
 //! What follows from an event within the time loop.
 
-use super::Run;
+use super::{Run, fixed_step};
 use crate::integrate::Method;
 use crate::model::problem::number;
 use crate::model::stop::sides;
@@ -78,6 +78,16 @@ impl Run<'_, '_> {
             Transition::Contact { .. } => Outcome::default(),
             Transition::Switch(boundary) => {
                 motion.system.cross(boundary);
+                // What it jumps by may be across other boundaries at once.
+                let happened = motion.switch_laws(time, &self.state, settings.absolute_tolerance);
+                Outcome { happened, ..Outcome::default() }
+            }
+            Transition::Chatter(motor) => {
+                // A method that looks at its errors would take ever shorter steps.
+                if fixed_step(self.model, settings, method).is_none() {
+                    return Err(RunError::Chatters { time, motor: self.model.motors[motor].name.clone() });
+                }
+                self.go_across(motion, motor);
                 Outcome::default()
             }
             Transition::Relax(_) => Outcome::default(),
@@ -88,7 +98,8 @@ impl Run<'_, '_> {
         self.touch(motion, time, transition == Transition::Contact { at_limit: true })?;
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
-        if let Some(storm) = self.event_pace.see(time, self.end).filter(|_| !self.try_capture(motion, time)) {
+        let storm = self.event_pace.see(time, self.end);
+        if let Some(storm) = storm.filter(|_| !self.try_capture(motion, time) && !self.go_across_all(motion)) {
             let last = outcome.happened.last().or(self.happened.last());
             let name = last.map_or_else(String::new, |last| last.name.clone());
             return Err(RunError::Storm { time, count: storm.count, span: storm.span, left: self.end - time, name });
@@ -99,5 +110,19 @@ impl Run<'_, '_> {
         self.arm(motion, time);
         // A stiff stop that pushes from now on.
         if pushed { self.refuse_hopeless(motion, method, time) } else { Ok(()) }
+    }
+
+    /// Follows the formula of a motor as it stands from now on, and tells so at the end.
+    fn go_across(&mut self, motion: &mut Equations, motor: usize) {
+        motion.system.follow_across(motor);
+        self.across.push(self.model.motors[motor].name.clone());
+    }
+
+    /// Does so for all motors whose formulas end steps; whether there was any.
+    fn go_across_all(&mut self, motion: &mut Equations) -> bool {
+        let mut motors: Vec<usize> = motion.system.boundaries().filter_map(|own| motion.system.motor_of(own)).collect();
+        motors.dedup();
+        motors.iter().for_each(|motor| self.go_across(motion, *motor));
+        !motors.is_empty()
     }
 }
