@@ -18,6 +18,7 @@ mod occurrence;
 pub(super) mod search;
 pub(super) mod switching;
 pub(super) mod timetable;
+mod watch;
 mod watched;
 
 pub use self::occurrence::{Kind, Occurrence};
@@ -37,6 +38,7 @@ use crate::simulate::state::State;
 use chatter::Chatter;
 use hidden::Hidden;
 use std::sync::Arc;
+use watch::Watch;
 use watched::Jump;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.
@@ -67,53 +69,6 @@ enum Function {
     Contact(Aspect),
     /// How far a body is beyond an end of the curve that it is guided along.
     End(usize),
-}
-
-#[derive(Debug)]
-struct Watch {
-    function: Function,
-    /// Its sign before the event.
-    positive: bool,
-    /// Values up to this beyond zero are rounding, unless the number changes faster than `still`.
-    band: f64,
-    /// Infinite for a function whose rate is not known or does not count.
-    still: f64,
-    /// The lowest value since it has this sign, with zero before the event and more after it.
-    lowest: f64,
-    /// Value and rate at the last look; 0 for a rate that is not known.
-    last: [f64; 2],
-    /// Value and rate at the next one.
-    next: [f64; 2],
-    /// The value where it was last found on the far side.
-    found: f64,
-}
-
-impl Watch {
-    /// A value or rate as it is below zero before the event and above after it.
-    fn towards(&self, value: f64) -> f64 {
-        if self.positive { -value } else { value }
-    }
-
-    /// A value and its rate: above zero if the event has happened.
-    fn beyond(&self, [value, rate]: [f64; 2]) -> f64 {
-        let (value, rate) = (self.towards(value), self.towards(rate));
-        match value > self.band || rate > self.still {
-            true => value,
-            // On the far side by rounding, or on the way back from there.
-            false => -value.abs(),
-        }
-    }
-
-    /// Goes on from the next look.
-    fn take_next(&mut self) {
-        self.last = self.next;
-        self.lowest = self.lowest.min(self.towards(self.last[0]));
-    }
-
-    /// Whether the sign has changed at the next look.
-    fn changed(&self) -> bool {
-        self.beyond(self.next) > 0.0
-    }
 }
 
 /// An event that changes how the scene goes on.

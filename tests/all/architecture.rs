@@ -37,10 +37,22 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("transfer", &["element", "model", "motion", "pages", "spatial", "round_off"]),
     ("contact", &["dynamics", "model", "motion", "sparse", "spatial", "round_off"]),
     ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial", "round_off"]),
-    // `budget` for the memory of matrices.
+    // `budget` for the memory of matrices, `formula` for the pieces in which a run keeps those of motors.
     (
         "dynamics",
-        &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial", "round_off"],
+        &[
+            "budget",
+            "element",
+            "formula",
+            "model",
+            "motion",
+            "force",
+            "transfer",
+            "constraint",
+            "sparse",
+            "spatial",
+            "round_off",
+        ],
     ),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     (
