@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
     /// Write the matrices there
-    #[arg(long, value_name = "FILE.json|npz|mat")]
+    #[arg(long, short = 'o', value_name = "FILE.json|npz|mat")]
     out: Option<PathBuf>,
     /// Plot the frequency response from every input to every output there
     #[arg(long, value_name = "FILE.svg|png|pdf")]

@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
     /// Beginning of the names of the files written, PREFIX.precision.csv and .svg; default: the scenario's name
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long, short = 'o', value_name = "PREFIX")]
     out: Option<PathBuf>,
     /// Recommend a method for this error
     #[arg(long, value_name = "ERROR", default_value_t = 1e-6, allow_negative_numbers = true, value_parser = positive)]

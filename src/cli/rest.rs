@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
     /// Record the proof there
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, short = 'o', value_name = "PATH")]
     out: Option<PathBuf>,
     /// Print all of the equilibrium, as `statics` does, not one line of it
     #[arg(long, short)]

@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "START.toml")]
     save_end: Option<PathBuf>,
     /// Where the recording goes; default: the scenario's name with .mcap in this folder
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, short = 'o', value_name = "PATH")]
     out: Option<PathBuf>,
     /// Run once more, tighter and by another method, and say what the run is wrong by at its end
     #[arg(long)]

@@ -61,7 +61,7 @@ pub(super) struct Arguments {
     viewers: recording::Viewers,
     /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. If the file has
     /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, short = 'o', value_name = "PATH")]
     out: Option<PathBuf>,
 }
 

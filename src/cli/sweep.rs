@@ -63,7 +63,7 @@ pub(super) struct Arguments {
     lanes: Lanes,
     /// Write the rows there: a name ending in .csv is one file; any other a folder, a dataset of Parquet parts that are
     /// written as they are done
-    #[arg(long, value_name = "FILE.csv|DIR")]
+    #[arg(long, short = 'o', value_name = "FILE.csv|DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     dataset: DatasetOptions,

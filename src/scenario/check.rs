@@ -129,7 +129,10 @@ impl Check<'_> {
             (Kind::Integer(range), DeValue::Integer(_)) => self.number(*range, item, value),
             (Kind::Choice(words), DeValue::String(word)) => self.word(words, item, value, word),
             (Kind::List(of, lengths), DeValue::Array(items)) => {
-                let wrong = if lengths.is_empty() { items.is_empty() } else { !lengths.contains(&items.len()) };
+                let wrong = match lengths {
+                    [] => items.is_empty() && item.key.kind.elements().is_none(),
+                    lengths => !lengths.contains(&items.len()),
+                };
                 if wrong {
                     let message =
                         format!("{} must be {}, found {}", item.subject(), kind.expected(), found(value.get_ref()));

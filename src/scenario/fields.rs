@@ -55,7 +55,7 @@ pub enum Kind {
     Number(Range),
     /// One of these words, each with one sentence.
     Choice(&'static [(&'static str, &'static str)]),
-    /// A list of one of these lengths; no lengths for any but none.
+    /// A list of one of these lengths; no lengths for any but none, of [elements](Self::elements) for any.
     List(&'static Kind, &'static [usize]),
     /// One of these, distinguished by their TOML types.
     Either(&'static [Kind]),
@@ -106,6 +106,14 @@ impl Range {
 }
 
 impl Kind {
+    /// The table that a list of the scene's elements is made of: `[[body]]`, `[[force]]`. There may be none of them.
+    pub fn elements(&self) -> Option<&'static Table> {
+        match self {
+            Self::List(Self::Table(table), []) => Some(table),
+            _ => None,
+        }
+    }
+
     /// `a number`, `a list of 3 numbers`
     pub fn expected(&self) -> String {
         match self {

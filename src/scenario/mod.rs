@@ -81,7 +81,7 @@ use sources::Sources;
 use spans::SpanTable;
 use std::path::Path;
 use std::sync::Arc;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// Why a scenario cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -328,7 +328,9 @@ fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings)
 /// Builds the model of a scene; what is wrong with it is told at its places in the document.
 fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) -> Built {
     // Of elements that could not be read it is said why; that there are none would be said besides.
-    let written = ["body", "beam", "cable"].iter().any(|key| document.contains_key(*key));
+    let is_none = |list: &DeValue<'_>| list.as_array().is_some_and(|list| list.is_empty());
+    let holds = |key: &&str| document.get(*key).is_some_and(|value| !is_none(value.get_ref()));
+    let written = ["body", "beam", "cable"].iter().any(holds);
     if description.bodies.is_empty() && description.beams.is_empty() && written {
         return Built::default();
     }

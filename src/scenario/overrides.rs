@@ -162,7 +162,7 @@ impl<'a> Change<'a> {
         let of_file = |name: &str| SCENARIO.declarations(name).next().map(|key| &key.kind);
         let is_setting = match of_file(first) {
             Some(kind) if holds_table(kind) => true,
-            Some(kind) => split_component(self.path).0 == first && elements(kind).is_none(),
+            Some(kind) => split_component(self.path).0 == first && kind.elements().is_none(),
             None => false,
         };
         if is_setting {
@@ -235,7 +235,7 @@ impl<'a> Change<'a> {
             return finding.help(format!("`{name}` has {count} copies, `{name}[0]` to `{name}[{}]`", count.max(1) - 1));
         }
         let names: Vec<Cow<'_, str>> = named(document).collect();
-        let settings = SCENARIO.keys.iter().filter(|key| elements(&key.kind).is_none()).map(|key| key.name);
+        let settings = SCENARIO.keys.iter().filter(|key| key.kind.elements().is_none()).map(|key| key.name);
         let fixed: Vec<&str> = settings.chain(["hinge"]).collect();
         let help = match closest(target, names.iter().map(Cow::as_ref).chain(fixed.iter().copied())) {
             Some(near) => format!("did you mean `{near}`?"),
@@ -375,14 +375,6 @@ fn copies_of(document: &DeTable<'_>, name: &str) -> Option<usize> {
     entries(document).find(|entry| entry.name == name)?.copies
 }
 
-/// The table that a list of the file is made of: `[[body]]`, `[[force]]`.
-fn elements(kind: &Kind) -> Option<&'static Table> {
-    match kind {
-        Kind::List(Kind::Table(table), []) => Some(table),
-        _ => None,
-    }
-}
-
 /// Whether a key of the file can be a table with keys of its own.
 fn holds_table(kind: &Kind) -> bool {
     match kind {
@@ -398,7 +390,7 @@ fn article(name: &str) -> &'static str {
 
 /// All elements: what they are and where, their names and places, how often they are repeated.
 fn entries<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = Entry<'d, (&'static Table, usize)>> + Clone {
-    SCENARIO.keys.iter().filter_map(|key| elements(&key.kind)).flat_map(move |table| {
+    SCENARIO.keys.iter().filter_map(|key| key.kind.elements()).flat_map(move |table| {
         let items = document.get(table.name).and_then(|items| items.get_ref().as_array());
         items.into_iter().flat_map(|items| items.iter()).enumerate().map(move |(index, item)| Entry {
             element: (table, index),

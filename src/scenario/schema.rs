@@ -45,6 +45,9 @@ fn object(table: &Table, of_type: Option<(&str, &str)>) -> Value {
 
 fn of_key(key: &Key) -> Value {
     let mut schema = of_kind(&key.kind);
+    if key.kind.elements().is_some() {
+        schema["minItems"] = json!(0);
+    }
     let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
     schema["description"] = json!(format!("{}{unit}", key.doc));
     for (name, text) in [("default", key.default), ("examples", key.example)] {

@@ -365,7 +365,7 @@ impl Equations {
     }
 
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
-    fn size(&self, side: StopSide) -> f64 {
+    pub(super) fn size(&self, side: StopSide) -> f64 {
         let stop = &self.model().stops[side.stop];
         self.position_scales[stop.position].max(stop.limit(side.at).abs())
     }

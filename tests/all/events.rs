@@ -4,6 +4,7 @@ mod account;
 mod expressions;
 mod generated;
 mod mixed;
+mod pressed;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

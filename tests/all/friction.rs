@@ -3,6 +3,7 @@
 
 mod geared;
 mod stepping;
+mod struck;
 
 use std::f64::consts::PI;
 
@@ -14,7 +15,7 @@ use stillpoint::simulate::{self, State, Summary};
 use crate::common::build;
 use crate::scenarios::shipped;
 
-const METHODS: [&str; 6] = ["dop853", "dopri5", "radau5", "radau9", "sdirk4", "auto"];
+const METHODS: [&str; 7] = ["adams", "dop853", "dopri5", "radau5", "radau9", "sdirk4", "auto"];
 
 fn go(scenario: &Scenario) -> Summary {
     let model = build(&scenario.description);

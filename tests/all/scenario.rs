@@ -262,6 +262,24 @@ fn the_schema_closes_every_table_and_names_the_units() {
     assert!(text.contains("kg m²"));
 }
 
+#[test]
+fn lists_of_elements_may_be_empty_and_no_others() {
+    let schema = scenario::schema();
+    let keys = schema["properties"].as_object().expect("keys");
+    let lists: Vec<&String> = keys.iter().filter(|(_, key)| key["minItems"] == 0).map(|(name, _)| name).collect();
+    assert!(lists.len() > 10, "{lists:?}");
+    let body = "[[body]]\nname = \"a\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1] }\n";
+    let parse = |text: &str| scenario::parse("scene.toml", text, &[]).map_err(|problems| problems.to_string());
+    for key in lists.iter().filter(|key| **key != "body") {
+        let scenario = parse(&format!("{key} = []\n{body}")).unwrap_or_else(|problems| panic!("{key}: {problems}"));
+        assert_eq!(scenario.description.bodies.len(), 1, "{key}");
+    }
+    let none = parse("body = []\n").expect_err("a scene of nothing");
+    assert!(none.contains("the scene has no bodies") && none.contains("add at least one [[body]]"), "{none}");
+    let moment = parse(&body.replace("mass = 1.0", "mass = 1.0\ninertia = []")).expect_err("an inertia of nothing");
+    assert!(moment.contains("found an empty list"), "{moment}");
+}
+
 fn failure(path: &Path) -> String {
     scenario::load(path).expect_err("a file that cannot be read").to_string()
 }

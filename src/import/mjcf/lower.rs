@@ -336,6 +336,11 @@ impl Output {
         if force == Vector3::zeros() {
             return;
         }
+        if !scene.settings.has_passive_forces() {
+            let what = "`gravcomp` does not act: MuJoCo leaves out all passive forces if springs and dampers are both switched off";
+            body.element.note(Taken::Used, what);
+            return;
+        }
         let mut entry = Entry::new(Some(body.element.place()));
         entry.comment(&self.says(&body.element, &format!("gravcomp = {}", body.gravity_compensation)));
         entry.set("name", self.unique(&format!("gravcomp of {}", self.bodies[index].clone())), None);

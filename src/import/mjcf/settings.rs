@@ -100,6 +100,11 @@ pub(super) fn read(tree: &Tree<'_>) -> Settings {
 }
 
 impl Settings {
+    /// Whether passive forces act: MuJoCo computes none, not even `gravcomp`, if springs and dampers are both switched off.
+    pub(super) fn has_passive_forces(&self) -> bool {
+        self.springs || self.dampers
+    }
+
     fn compiler(&mut self, element: &Element<'_>) {
         if let Some(radian) = element.attribute("angle").and_then(|at| choice(&at, &["degree", "radian"])) {
             self.angle = if radian == 1 { 1.0 } else { std::f64::consts::PI / 180.0 };

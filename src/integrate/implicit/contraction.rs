@@ -91,6 +91,15 @@ impl Iteration {
         contraction / (1.0 - contraction) * size
     }
 
+    /// What an iteration that has stopped after a change of norm `size` leaves, by the contraction seen: one that is not believed before
+    /// it stops is that of stiff parts, of which nothing adds up. Where changes shrink no longer that is the change itself.
+    pub(crate) fn leaves(&self, size: f64) -> f64 {
+        match self.contraction() {
+            Some(contraction) if contraction < 1.0 => contraction / (1.0 - contraction) * size,
+            _ => size,
+        }
+    }
+
     /// Whether the iteration may stop after a change of norm `size`, `rounding` being that of rounding.
     ///
     /// # Errors

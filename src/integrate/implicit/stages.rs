@@ -93,6 +93,8 @@ pub(crate) struct Stages {
     correction: Vec<f64>,
     acceleration: Vec<f64>,
     accuracy: Accuracy,
+    /// What the iteration of the last step left, in tolerances.
+    pub(crate) left: f64,
     tangent: TangentCache,
     /// The best contraction with a new tangent.
     best: f64,
@@ -138,6 +140,7 @@ impl Stages {
             correction: acceleration.clone(),
             acceleration,
             accuracy,
+            left: 0.0,
             tangent: TangentCache::default(),
             best: 1.0,
             renewals: 0,
@@ -189,6 +192,7 @@ impl Stages {
                 self.tangent.doubt();
             }
             if done {
+                self.left = iteration.leaves(size);
                 return require_finite(&self.states[s - 1], problem.position_count());
             }
         }

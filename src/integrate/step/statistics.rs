@@ -23,7 +23,7 @@ pub struct Statistics {
     pub largest_step: f64,
     /// Sum of what the errors of accepted steps are estimated at, in parts of the state: what they may add up to, which the
     /// tolerance of a run bounds only for as many steps as there are smallest shares in it. If a step ends better than its
-    /// estimate, by an order or more, this is heeded. 0 for fixed steps.
+    /// estimate, by an order or more, this is heeded; what the iterations of coupled stages leave is in it. 0 for fixed steps.
     pub error_sum: f64,
 }
 

@@ -6,9 +6,7 @@
 use super::super::fields::Table;
 use super::super::format::{BODY, HINGE, SCENARIO};
 use super::super::{Scenario, document};
-use super::{
-    Override, component, element, elements, entries, first_key, full_path, holds_table, split_component, walk, within,
-};
+use super::{Override, component, element, entries, first_key, full_path, holds_table, split_component, walk, within};
 use crate::model::address::Target;
 use std::fmt::Write;
 use toml::de::{DeTable, DeValue};
@@ -205,7 +203,7 @@ fn spots(path: &str, document: &DeTable<'_>) -> Vec<Spot> {
     let is_setting = SCENARIO
         .declarations(first)
         .next()
-        .is_some_and(|key| holds_table(&key.kind) || split_component(path).0 == first && elements(&key.kind).is_none());
+        .is_some_and(|key| holds_table(&key.kind) || split_component(path).0 == first && key.kind.elements().is_none());
     if is_setting {
         return vec![spot(None, (document, &SCENARIO), None, path)];
     }

@@ -51,8 +51,9 @@ struct Rest {
 }
 
 impl Instant<'_> {
-    /// What dry friction does after the impacts: what moves slides, the rest is to be decided. What it did before.
-    pub(in crate::simulate) fn rub(&mut self, transition: Option<Transition>) -> Vec<Rubbing> {
+    /// What dry friction does after the impacts, which changed the velocities of the `approach`: what moves slides, also what would
+    /// have come to rest had no impact set it in motion; the rest is to be decided. What it did before.
+    pub(in crate::simulate) fn rub(&mut self, approach: &[f64], transition: Option<Transition>) -> Vec<Rubbing> {
         let model = self.motion.model().clone();
         let mut now = Vec::with_capacity(model.hinge_friction.len());
         for (index, friction) in model.hinge_friction.iter().enumerate() {
@@ -61,7 +62,9 @@ impl Instant<'_> {
             let moves = rate.norm() > self.round_off(row, &self.state.velocity, 1.0);
             // A spherical hinge may turn about at a speed that is small and not zero.
             let slow = friction.count == 1 || rate.norm() <= 2.0 * self.slow(friction.velocity);
-            let comes_to_rest = transition == Some(Transition::Still(index)) && slow;
+            let by_impacts = (rate - rate_of(friction, approach)).norm();
+            let is_struck = by_impacts > self.round_off(row, &self.state.velocity, 1.0);
+            let comes_to_rest = transition == Some(Transition::Still(index)) && slow && !is_struck;
             now.push(if moves && !comes_to_rest { Rubbing::Slides(rate.normalize()) } else { Rubbing::Sticks });
         }
         let rubbing = &mut self.motion.system.phase_mut().rubbing;

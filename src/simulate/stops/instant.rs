@@ -69,7 +69,7 @@ pub(in crate::simulate) struct Instant<'a> {
     /// `H M⁻¹ Hᵀ` by rows, and its diagonal without loops, drives and gears.
     pub(in crate::simulate) matrix: Vec<f64>,
     pub(in crate::simulate) free: Vec<f64>,
-    /// Accelerations towards the stops as nothing holds, ≥ 0 (m/s², rad/s²).
+    /// Accelerations towards the stops, the larger of those as nothing holds and beside what was held, ≥ 0 (m/s², rad/s²).
     inward: Vec<f64>,
     /// Rows that parted from their stops before the impacts.
     pub(in crate::simulate) parted: Vec<bool>,
@@ -92,6 +92,10 @@ pub(in crate::simulate) fn resolve(
 ) -> Result<Outcome, RunError> {
     let fault = |fault| RunError::Sample { time, fault };
     let before: Vec<Holding> = motion.held().to_vec();
+    let mut beside = vec![0.0; state.velocity.len()];
+    if !before.is_empty() {
+        motion.accelerations(time, &state.position, &state.velocity, &mut beside).map_err(fault)?;
+    }
     let rows = rows(motion, state, &before);
     let mut instant = Instant {
         motion,
@@ -113,11 +117,13 @@ pub(in crate::simulate) fn resolve(
     instant.lift().map_err(fault)?;
     instant.motion.hold(time, instant.state, &[]).map_err(fault)?;
     instant.respond().map_err(fault)?;
+    instant.press(&beside);
+    let approach = instant.state.velocity.clone();
     instant.impacts()?;
     let switched = instant.motion.switch_laws(time, instant.state, tolerance);
     instant.outcome.happened.extend(switched);
     instant.let_push(transition);
-    let rubbed = instant.rub(transition);
+    let rubbed = instant.rub(&approach, transition);
     let held = instant.decide(transition)?;
     instant.settle(&before, &held, &rubbed, transition).map_err(fault)?;
     Ok(instant.outcome)
@@ -179,9 +185,16 @@ impl Instant<'_> {
             }
             force[*i] = 0.0;
         }
-        (self.matrix, self.free) = (matrix, free);
-        self.inward = self.rates(&a).iter().map(|rate| (-rate).max(0.0)).collect();
+        (self.matrix, self.free, self.inward) = (matrix, free, vec![0.0; m]);
+        self.press(&a);
         Ok(())
+    }
+
+    /// Takes in with which accelerations rows approach their stops: as nothing holds, and beside what was held up to the instant, which may
+    /// press much more.
+    fn press(&mut self, a: &[f64]) {
+        let rates = self.rates(a);
+        self.inward.iter_mut().zip(rates).for_each(|(inward, rate)| *inward = inward.max(-rate));
     }
 
     /// Accelerations as no stop and no friction holds; contacts push as they did last.
@@ -216,14 +229,15 @@ impl Instant<'_> {
         SPEED.of(largest) * scales[self.coordinate(row).0]
     }
 
-    /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
+    /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding. A coordinate
+    /// that falls from its limit is found beyond it by a rounding of its own, and with the speed of that: less would be given for ever.
     pub(in crate::simulate) fn least(&self, row: usize) -> f64 {
-        let (positions, velocities) = self.motion.scales();
+        let (_, velocities) = self.motion.scales();
         let model = self.motion.model();
         let speed = velocities[self.coordinate(row).0];
         let part = if model.is_constrained() { REBOUND_BESIDE_LOOPS } else { REBOUND };
         let Of::Stop(side) = self.rows[row] else { return 0.0 };
-        let height = part.of(positions[model.stops[side.stop].position]);
+        let height = part.of(self.motion.size(side));
         // At least the scene's own acceleration: what presses may do so later.
         let inward = self.inward[row].max(0.5 * speed / model.time_scale());
         self.slow(self.coordinate(row).0).max((2.0 * inward * height).sqrt())

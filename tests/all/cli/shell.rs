@@ -156,3 +156,18 @@ fn every_command_takes_a_scenario_from_standard_input() {
     }
     assert_eq!(bench.names(), ["recording.mcap"]);
 }
+
+#[test]
+fn wherever_there_is_an_out_it_is_an_o() {
+    let bench = Bench::new();
+    let mut with_out = 0;
+    for name in commands(&bench) {
+        let help = bench.call(&[&name, "--help"]).code(0).out;
+        let options = help.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+        for line in options.filter(|line| line.contains("--out <")) {
+            assert!(line.starts_with("-o, --out <"), "{name}: {line}");
+            with_out += 1;
+        }
+    }
+    assert!(with_out > 8, "{with_out}");
+}

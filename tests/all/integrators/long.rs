@@ -20,8 +20,8 @@ fn told_and_true(method: Method, tolerance: f64, random: &mut Random) -> (f64, f
 }
 
 #[test]
-fn the_sum_of_the_errors_bounds_the_error_and_is_within_a_factor_of_a_hundred() {
-    let methods = [Method::Dop853, Method::Dopri5, Method::Radau5, Method::Adams];
+fn the_sum_of_the_errors_bounds_the_error_and_is_within_a_hundred_or_two_of_it() {
+    let methods = [Method::Dop853, Method::Dopri5, Method::Radau5, Method::Radau9, Method::Adams];
     for seed in 0..3 {
         for method in methods {
             for tolerance in [1e-6, 1e-8, 1e-10] {
@@ -30,8 +30,22 @@ fn the_sum_of_the_errors_bounds_the_error_and_is_within_a_factor_of_a_hundred() 
                 let rounding = 4e-12;
                 let case = format!("{method:?} at {tolerance:e}, seed {seed}: told {told:e}, true {truth:e}");
                 assert!(truth <= told + rounding, "{case}");
-                assert!(told <= 100.0 * (truth + rounding), "{case}");
+                // What iterations leave has another sign in other steps.
+                let most = if method == Method::Radau9 { 200.0 } else { 100.0 };
+                assert!(told <= most * (truth + rounding), "{case}");
             }
+        }
+    }
+}
+
+/// Its estimate is that of the rule of order 3, and told whole: in a stiff system the error is of that order.
+#[test]
+fn the_sum_of_the_errors_of_sdirk4_bounds_the_error_by_far() {
+    for seed in 0..3 {
+        for tolerance in [1e-6, 1e-8] {
+            let (told, truth) = told_and_true(Method::Sdirk4, tolerance, &mut Random::new(seed));
+            let case = format!("at {tolerance:e}, seed {seed}: told {told:e}, true {truth:e}");
+            assert!(truth <= told && told <= 1e4 * truth, "{case}");
         }
     }
 }

@@ -80,3 +80,24 @@ fn what_is_left_out_by_the_model_itself_is_left_out_here() {
     assert!(imported.notes.iter().all(|note| note.verdict == Taken::Used), "{:?}", imported.notes);
     assert!(imported.scenario.contains("gravity = [0.0, 0.0, 0.0]") && !imported.scenario.contains("stiffness"));
 }
+
+/// `mj_passive` computes nothing if springs and dampers are both switched off: a body with `gravcomp` falls then (MuJoCo 4.0).
+#[test]
+fn passive_forces_are_left_out_together_where_springs_and_dampers_are() {
+    for (flags, acts) in [
+        ("", true),
+        (r#"spring="disable""#, true),
+        (r#"damper="disable""#, true),
+        (r#"spring="disable" damper="disable""#, false),
+        (r#"passive="disable""#, false),
+    ] {
+        let model = format!(
+            r#"<mujoco><option gravity="0 0 -10"><flag {flags}/></option><worldbody><body name="a" gravcomp="1">
+            <joint type="slide" axis="0 0 1"/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"#
+        );
+        let imported = import(&model).expect("a model");
+        assert_eq!(imported.scenario.contains("gravcomp of a"), acts, "{flags}: {}", imported.scenario);
+        let is_told = said(&model).iter().any(|note| note.contains("`gravcomp` does not act"));
+        assert_eq!(is_told, !acts, "{flags}: {:?}", said(&model));
+    }
+}
