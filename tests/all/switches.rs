@@ -80,9 +80,7 @@ fn every_way_to_switch_ends_a_step() {
 /// Where both sides of a switch drive back to it a formula has no value: an adaptive run says so when it comes there, fixed steps go across.
 #[test]
 fn what_both_sides_drive_back_to_is_told() {
-    for (formula, ends) in
-        [("-3*sign(v)", 0.8 / 3.0), ("-0.8*sign(v) - 2*sign(q)", f64::NAN), ("-5*sign(q + 0.3*v)", f64::NAN)]
-    {
+    for (formula, ends) in [("-3*sign(v)", 0.8 / 3.0), ("-5*sign(q + 0.3*v)", f64::NAN)] {
         let model = read(&scene(formula, [0.7, 0.8]));
         let Err(RunError::Chatters { time, motor }) = tried(&model, 30.0, 1e-6, Method::Dop853) else {
             panic!("{formula} has no value there")
@@ -101,7 +99,7 @@ fn what_both_sides_drive_back_to_is_told() {
 /// Swings that get ever shorter take more and more switches: they do not hold a run up.
 #[test]
 fn swings_about_a_switch_may_get_ever_shorter() {
-    for (formula, duration) in [("-3*sign(q) - 2*v", 10.0), ("-2*sign(q) - 0.8*sign(v)", 4.0)] {
+    for (formula, duration) in [("-3*sign(q) - 2*v", 10.0), ("-2*sign(q) - 0.8*sign(v)", 5.0)] {
         let summary = slide(formula, [0.7, 0.0], duration, 1e-6, Method::Dop853);
         assert!(summary.state.position[0].abs() < 1e-3, "{formula}: {:?}", summary.state);
         assert!(summary.statistics.steps < 50_000, "{formula}: {} steps", summary.statistics.steps);

@@ -42,7 +42,7 @@ pub(super) struct Options {
     #[arg(long = "set", value_name = "PATH=VALUE", requires = "fit")]
     set: Vec<String>,
     /// Write the table there, with what the fitted scene answers beside what was measured
-    #[arg(long, value_name = "FILE.csv", requires = "fit")]
+    #[arg(long, short = 'o', value_name = "FILE.csv", requires = "fit")]
     out: Option<PathBuf>,
 }
 
