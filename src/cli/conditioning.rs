@@ -49,9 +49,9 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
     // What cannot be computed is said where it is asked for.
     let mut at_start = system.at(0.0, q, v);
     let mut inertia = vec![0.0; v.len()];
-    match at_start.accelerations(&mut accelerations) {
-        Ok(factorized) => factorized.articulated_inertia(&mut inertia),
-        Err(_) => return Vec::new(),
+    if at_start.articulated_inertia(&mut inertia).is_err() || at_start.accelerations_alone(&mut accelerations).is_err()
+    {
+        return Vec::new();
     }
     let gravity = model.gravity.norm().max(1.0);
     let per_length = gravity / model.length_scale();

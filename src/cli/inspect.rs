@@ -36,7 +36,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut system = System::new(&model);
     let mut accelerations = v.clone();
     let mut at = system.at(begin, q, v);
-    at.accelerations(&mut accelerations)
+    at.accelerations_alone(&mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
     let forces: Vec<(String, f64)> =
         at.system().constraints().map_or(Vec::new(), |rows| rows.drive_forces(&model, &accelerations).collect());

@@ -35,8 +35,8 @@ pub struct Assembly {
 }
 
 /// Closes the loops of a model. The assembled model starts at positions and with velocities that all loops, drives and
-/// gears agree with, the nearest to the given ones in the metric of the inertia; locked coordinates and given velocities
-/// stay as they are. A model without loops, drives and gears comes back as it is.
+/// gears agree with, the nearest to the given ones in the metric of the inertia, positions of many loops on one tree in
+/// that of the coordinates; locked coordinates and given velocities stay as they are. A model without loops, drives and gears comes back as it is.
 ///
 /// # Errors
 /// If a gap cannot be closed, if gears leave nothing to move, or if a drive has nothing left to prescribe; each
@@ -130,12 +130,13 @@ fn close_positions(model: &mut Model, time: f64, notes: &mut Vec<String>) -> Res
         let relative = closing.gap(model, &q);
         let given_widest = closing.widest();
         let given_gap = given_widest.gap;
+        let first = closing.of_guess();
         let mut gap = closing
-            .close(model, &mut q, Metric::Inertia)
+            .close(model, &mut q, first)
             .map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
         let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
-        for (attempt, metric) in ways.filter(|way| *way != (0, Metric::Inertia)) {
+        for (attempt, metric) in ways.filter(|way| *way != (0, first)) {
             if gap <= CLOSED {
                 break;
             }

@@ -9,7 +9,7 @@
 //!
 //! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
-//! onto the rows of long chains are taken like that: the tip would need a hundred steps. So are those of many loops of one
+//! onto the rows of long chains are taken like that: the tip would need a hundred steps. So are all ways of many loops of one
 //! tree: all of them meet in `A`, but few share hinges.
 
 use super::component::between_ends;
@@ -90,26 +90,46 @@ impl Constraints {
 }
 
 /// Closes positions of a model whose locked coordinates stay where they are given.
-pub(crate) struct Closer(Closing);
+pub(crate) struct Closer {
+    all: Closing,
+    /// With the rows alone that are independent at the start, where products of all of them are made.
+    independent: Option<Closing>,
+}
 
 impl Closer {
     pub(crate) fn new(model: &Model) -> Self {
-        Self(Closing::new(model, &RowSelection::locks(model), 0.0))
+        let all = Closing::new(model, &RowSelection::locks(model), 0.0);
+        let known = model.independent_rows.as_ref().filter(|_| all.nearby() == Metric::Coordinates);
+        // Rows of locks come after those of the model.
+        let independent = known.map(|known| {
+            let mut fewer = Closing::new(model, &RowSelection::locks(model), 0.0);
+            fewer.rows.keep(|row| known.get(row).copied().unwrap_or(true));
+            fewer
+        });
+        Self { all, independent }
     }
 
     /// Closes `q`; false if a gap is left, or the tree is singular.
     pub(crate) fn close(&mut self, model: &Model, q: &mut [f64]) -> bool {
-        let before = self.0.gap(model, q);
+        let before = self.all.gap(model, q);
         if before <= CLOSED.of(1.0) {
             return true;
         }
         let given = q.to_vec();
-        let metric = self.0.nearby();
+        if let Some(independent) = &mut self.independent {
+            // Beyond a singular position, or with data of few digits, the others have their say.
+            match independent.close_within(model, q, Metric::Coordinates, MOST_STEPS) {
+                Ok((gap, _)) if gap <= CLOSED.of(1.0) => return true,
+                Ok((gap, _)) if gap < before => {}
+                _ => q.copy_from_slice(&given),
+            }
+        }
+        let metric = self.all.nearby();
         let most = if metric == Metric::Inertia { SHORT_WAY } else { MOST_STEPS };
-        let mut closed = self.0.close_within(model, q, metric, most);
+        let mut closed = self.all.close_within(model, q, metric, most);
         if matches!(closed, Ok((_, true))) && metric == Metric::Inertia {
             q.copy_from_slice(&given);
-            closed = self.0.close_within(model, q, Metric::Coordinates, MOST_STEPS);
+            closed = self.all.close_within(model, q, Metric::Coordinates, MOST_STEPS);
         }
         matches!(closed, Ok((gap, _)) if gap <= LEFT_OPEN)
     }
@@ -180,6 +200,14 @@ impl Closing {
     /// The metric for a short way back onto the rows.
     pub(super) fn nearby(&self) -> Metric {
         match self.rows.is_wide() {
+            true => Metric::Coordinates,
+            false => Metric::Inertia,
+        }
+    }
+
+    /// The metric in which a guess is brought onto the rows.
+    pub(super) fn of_guess(&self) -> Metric {
+        match self.rows.is_filled() {
             true => Metric::Coordinates,
             false => Metric::Inertia,
         }

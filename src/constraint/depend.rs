@@ -97,6 +97,16 @@ impl Constraints {
     /// Whether the products of rows in the metric of the inertia are better not made: loops are long, or `A` is wide.
     pub(super) fn is_wide(&self) -> bool {
         let longest = self.elements.iter().map(|element| element.branches.iter().map(Vec::len).sum::<usize>());
-        longest.max().is_some_and(|longest| longest >= LONG) || self.plan.operations() > self.rank() * WIDE * WIDE
+        longest.max().is_some_and(|longest| longest >= LONG) || self.is_filled()
+    }
+
+    /// Whether `A` is wide: of many loops on one tree all meet in it.
+    pub(crate) fn is_filled(&self) -> bool {
+        self.operations() > self.rank() * WIDE * WIDE
+    }
+
+    /// Operations of a factorization of `A`, about.
+    pub(crate) fn operations(&self) -> usize {
+        self.plan.operations()
     }
 }

@@ -21,14 +21,14 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
-    /// Room for rows that start at these columns.
+    /// Of rows that start at these columns; without entries before [`Envelope::clear`].
     pub(super) fn new(first: Vec<usize>) -> Self {
         let mut start = vec![0];
         for (row, first) in first.iter().enumerate() {
             start.push(start[row] + row + 1 - first);
         }
-        let (size, n) = (start[start.len() - 1], first.len());
-        Self { first, start, entries: vec![0.0; size], inverse: vec![0.0; n], smallest: 1.0 }
+        let n = first.len();
+        Self { first, start, entries: Vec::new(), inverse: vec![0.0; n], smallest: 1.0 }
     }
 
     /// Whether a row of this size has no entries, by its own entry on the diagonal.
@@ -36,8 +36,10 @@ impl Envelope {
         !(own > DEPENDENT * DEPENDENT * size)
     }
 
+    /// Sets all entries to zero.
     pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
+        self.entries.resize(self.start[self.start.len() - 1], 0.0);
     }
 
     /// The entry of a row at or left of its diagonal.

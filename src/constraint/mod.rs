@@ -46,8 +46,7 @@ mod rows;
 mod selection;
 mod sizes;
 
-use crate::element::modal::MOST_MODAL_COORDINATES;
-use crate::model::{Link, Model};
+use crate::model::Model;
 use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -63,7 +62,7 @@ use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
 use nalgebra::Vector3;
-use plan::{Plan, Run};
+use plan::{Meetings, Plan, Run};
 pub(crate) use row::Rule;
 use row::{Ends, Placed, place_motion, power};
 pub use rows::{Owner, RowGroup};
@@ -93,8 +92,10 @@ pub struct Constraints {
     /// The length that gaps are compared with, per row: the reach of its component (m).
     reaches: Vec<f64>,
     plan: Plan,
+    /// Where its groups meet; where all of many loops on one tree do, once the matrix is asked for.
+    meetings: Option<Arc<Meetings>>,
     matrix: Envelope,
-    /// `u` and `D⁻¹ u` of eq. (2), per group, part of the links of its way and row.
+    /// `u` and `D⁻¹ u` of eq. (2), per group, part of the links of its way and row; likewise.
     pushes: Vec<[Vector3<f64>; 2]>,
     /// `e` along one way.
     passed: Vec<Wrench>,
@@ -179,6 +180,7 @@ impl Constraints {
             weights,
             reaches,
             plan: Plan::default(),
+            meetings: None,
             matrix: Envelope::default(),
             pushes: Vec::new(),
             unknowns: Vec::new(),
@@ -224,9 +226,21 @@ impl Constraints {
         self.plan = Plan::new(rows_of.collect(), &self.ways, &self.parts, &self.grounded);
         self.entries = None;
         self.matrix = Envelope::new(self.plan.first_columns.clone());
-        self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
+        (self.meetings, self.pushes) = (None, Vec::new());
         self.unknowns = vec![0.0; self.plan.unknowns];
         self.sizes = vec![0.0; self.plan.unknowns];
+        if !self.is_filled() {
+            self.make_room();
+        }
+    }
+
+    /// Room for the matrix, with zeros in it.
+    fn make_room(&mut self) {
+        if self.meetings.is_none() {
+            self.meetings = Some(Arc::new(self.plan.meetings(&self.ways, &self.parts, &self.grounded)));
+            self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
+        }
+        self.matrix.clear();
     }
 
     /// The time at which drives are looked at (s).
@@ -317,11 +331,12 @@ impl Constraints {
 
     /// Eq. (2), not factorized.
     fn assemble(&mut self, model: &Model, motion: &Motion, reduction: &Reduction) {
+        self.make_room();
+        let Some(meetings) = self.meetings.take() else { return };
         for group in 0..self.plan.groups.len() {
             self.push(model, motion, reduction, group);
         }
-        self.matrix.clear();
-        for meeting in &self.plan.meetings {
+        for meeting in &meetings.pairs {
             let [later, earlier] = meeting.groups.map(|group| &self.plan.groups[group]);
             let (rows, columns) = (later.rows.len(), earlier.rows.len());
             for r in 0..rows {
@@ -329,7 +344,7 @@ impl Constraints {
                 let until = if std::ptr::eq(later, earlier) { r + 1 } else { columns };
                 for c in 0..until {
                     let mut sum = 0.0;
-                    for Run { places: [i, j], count } in &self.plan.common[meeting.common.clone()] {
+                    for Run { places: [i, j], count } in &meetings.common[meeting.common.clone()] {
                         let mine = self.pushes[later.pushes + i * rows..][..count * rows].chunks_exact(rows);
                         let other =
                             self.pushes[earlier.pushes + j * columns..][..count * columns].chunks_exact(columns);
@@ -339,6 +354,7 @@ impl Constraints {
                 }
             }
         }
+        self.meetings = Some(meetings);
     }
 
     /// The inward pass of the loads of one group.
@@ -446,37 +462,6 @@ impl Constraints {
         self.relative(row, self.placed[row].gap.abs())
     }
 
-    /// The entries of `G` for the rows solved for, as placed last: `put(unknown, velocity, entry)`.
-    pub(crate) fn gradient(&mut self, model: &Model, motion: &Motion, mut put: impl FnMut(usize, usize, f64)) {
-        let Self { plan, elements, rules, placed, passed, ways, .. } = self;
-        for group in &plan.groups {
-            let (element, way) = (&elements[group.element], &ways[group.element]);
-            for (k, row) in group.rows.iter().enumerate() {
-                let unknown = group.first + k;
-                if let Rule::Motion { parts } = &rules[*row] {
-                    parts.iter().filter(|part| part.1 != 0.0).for_each(|(s, factor)| put(unknown, s.velocity, *factor));
-                    continue;
-                }
-                way.iter().for_each(|link| passed[*link] = Wrench::ZERO);
-                if let Some(ends) = &element.ends {
-                    ends.iter().zip(placed[*row].wrenches).for_each(|(end, wrench)| passed[end.link] += wrench);
-                }
-                for link in way {
-                    let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
-                    let put = |velocity: usize, value: f64| put(unknown, velocity, value);
-                    match given.joint.modal() {
-                        Some(modal) => project_modal(model, motion, (modal, given), passed, put),
-                        // What interfaces pass on is projected at the frame, once for all of them.
-                        None if given.joint.interface().is_some() => {}
-                        None => crate::motion::project(motion, given, *link, &w, put),
-                    }
-                    passed[given.parent] += w.shifted(at.arm);
-                }
-                clear_interfaces(model, way, passed);
-            }
-        }
-    }
-
     /// What a unit multiplier of each row solved for pulls at, as placed last.
     pub(crate) fn pulls(&self) -> Vec<Pull> {
         let mut pulls = Vec::with_capacity(self.rank());
@@ -505,19 +490,6 @@ impl Constraints {
     pub(crate) fn element_of(&self, row: usize) -> Option<&RowGroup> {
         self.elements.iter().find(|element| element.rows.contains(&row))
     }
-}
-/// What wrenches on the interfaces of a modal body do in its coordinates.
-fn project_modal(
-    model: &Model,
-    motion: &Motion,
-    (modal, link): (usize, &Link),
-    passed: &[Wrench],
-    mut put: impl FnMut(usize, f64),
-) {
-    let (body, mut rows) = (&model.modals[modal], [0.0; MOST_MODAL_COORDINATES]);
-    motion.modals[modal].pull(body.links.iter().map(|link| &passed[*link]), &mut rows);
-    let rows = rows.iter().enumerate().take(body.modal.count());
-    rows.filter(|(_, row)| **row != 0.0).for_each(|(i, row)| put(link.velocity + i, *row));
 }
 
 /// Wrenches on interfaces that other rows do not load.

@@ -4,6 +4,7 @@
 //! ways do: loops that share no moving link have no entry in `A`. Elements are ordered by Cuthill and McKee's rule,
 //! reversed, so that the entries of a chain of loops stay near the diagonal.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// The rows of one element that are solved for.
@@ -33,14 +34,19 @@ pub(super) struct Run {
     pub(super) count: usize,
 }
 
+/// Where the groups of a plan meet.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Meetings {
+    /// Every pair of groups that meet, the later one first; a group meets itself.
+    pub(super) pairs: Vec<Meeting>,
+    /// What the ways of both groups of a meeting share.
+    pub(super) common: Vec<Run>,
+}
+
 /// Structure and order of one system of rows.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Plan {
     pub(super) groups: Vec<Group>,
-    /// Every pair of groups that meet, the later one first; a group meets itself.
-    pub(super) meetings: Vec<Meeting>,
-    /// What the ways of both groups of a meeting share.
-    pub(super) common: Vec<Run>,
     /// Number of unknowns.
     pub(super) unknowns: usize,
     /// Number of pushes.
@@ -57,46 +63,50 @@ impl Plan {
         let with_rows: Vec<usize> = (0..ways.len()).filter(|element| !rows_of[*element].is_empty()).collect();
         let on_ground = |way: &Vec<usize>| way.iter().copied().filter(|link| grounded[*link]).collect::<Vec<usize>>();
         let roots: Vec<Vec<usize>> = ways.iter().map(on_ground).collect();
-        let places: Vec<Vec<usize>> = ways.iter().map(|way| places(way, parts)).collect();
         let order = reordered(&with_rows, &roots);
         let mut plan = Self::default();
+        let mut first_at: Vec<Option<usize>> = vec![None; grounded.len()];
         for element in order {
             let rows = rows_of[element].clone();
             let group = Group { element, first: plan.unknowns, pushes: plan.pushes, rows };
+            let before = roots[element].iter().filter_map(|link| first_at[*link]).min();
+            let first_column = before.unwrap_or(group.first);
+            plan.first_columns.extend(vec![first_column; group.rows.len()]);
+            for link in &roots[element] {
+                first_at[*link].get_or_insert(group.first);
+            }
             plan.unknowns += group.rows.len();
-            plan.pushes += group.rows.len() * places[element][ways[element].len()];
+            plan.pushes += group.rows.len() * ways[element].iter().map(|link| parts[*link]).sum::<usize>();
             plan.groups.push(group);
         }
-        let mut at_link: Vec<Vec<usize>> = Vec::new();
-        let mut seen = vec![false; plan.groups.len()];
-        for later in 0..plan.groups.len() {
-            let element = plan.groups[later].element;
-            let roots = &roots[element];
-            let mut earlier = distinct(roots.iter().filter_map(|link| at_link.get(*link)).flatten(), &mut seen);
+        plan
+    }
+
+    /// Where the groups meet, for the arguments of [`Plan::new`]: as many pairs as the matrix has blocks.
+    pub(super) fn meetings(&self, ways: &[Vec<usize>], parts: &[usize], grounded: &[bool]) -> Meetings {
+        let places: Vec<Vec<usize>> = ways.iter().map(|way| places(way, parts)).collect();
+        let mut found = Meetings::default();
+        let mut at_link: Vec<Vec<usize>> = vec![Vec::new(); grounded.len()];
+        let mut seen = vec![false; self.groups.len()];
+        for (later, group) in self.groups.iter().enumerate() {
+            let roots = || ways[group.element].iter().filter(|link| grounded[**link]);
+            let mut earlier = distinct(roots().flat_map(|link| &at_link[*link]), &mut seen);
             earlier.sort_unstable();
             earlier.iter().for_each(|group| seen[*group] = false);
             earlier.push(later);
-            let mut first_column = plan.groups[later].first;
             for other in earlier {
-                let start = plan.common.len();
-                let both = [element, plan.groups[other].element];
+                let start = found.common.len();
+                let both = [group.element, self.groups[other].element];
                 meet(
                     both.map(|element| &ways[element][..]),
                     both.map(|element| &places[element][..]),
-                    &mut plan.common,
+                    &mut found.common,
                 );
-                plan.meetings.push(Meeting { groups: [later, other], common: start..plan.common.len() });
-                first_column = first_column.min(plan.groups[other].first);
+                found.pairs.push(Meeting { groups: [later, other], common: start..found.common.len() });
             }
-            plan.first_columns.extend(vec![first_column; plan.groups[later].rows.len()]);
-            for link in roots {
-                if at_link.len() <= *link {
-                    at_link.resize(link + 1, Vec::new());
-                }
-                at_link[*link].push(later);
-            }
+            roots().for_each(|link| at_link[*link].push(later));
         }
-        plan
+        found
     }
 
     /// Operations of a factorization, about.
@@ -111,8 +121,8 @@ impl Plan {
 }
 
 /// Each index once; those that were come to are `seen`.
-fn distinct<'a>(indices: impl Iterator<Item = &'a usize>, seen: &mut [bool]) -> Vec<usize> {
-    indices.copied().filter(|index| !std::mem::replace(&mut seen[*index], true)).collect()
+fn distinct<I: Borrow<usize>>(indices: impl Iterator<Item = I>, seen: &mut [bool]) -> Vec<usize> {
+    indices.map(|index| *index.borrow()).filter(|index| !std::mem::replace(&mut seen[*index], true)).collect()
 }
 
 /// Of every link of a way the place of its first part on it; then the number of all parts.
@@ -153,17 +163,20 @@ fn reordered(elements: &[usize], roots: &[Vec<usize>]) -> Vec<usize> {
         roots[*element].iter().for_each(|link| at_link[*link].push(index));
     }
     let mut seen = vec![false; elements.len()];
-    let neighbours: Vec<Vec<usize>> = elements
+    let degrees: Vec<usize> = elements
         .iter()
-        .map(|element| {
-            let mut all = distinct(roots[*element].iter().flat_map(|link| &at_link[*link]), &mut seen);
-            all.iter().for_each(|index| seen[*index] = false);
-            all.sort_unstable();
-            all
+        .map(|element| match &roots[*element][..] {
+            [] => 0,
+            [link] => at_link[*link].len(),
+            several => {
+                let all = distinct(several.iter().flat_map(|link| &at_link[*link]), &mut seen);
+                all.iter().for_each(|index| seen[*index] = false);
+                all.len()
+            }
         })
         .collect();
     let mut by_degree: Vec<usize> = (0..elements.len()).collect();
-    by_degree.sort_by_key(|index| neighbours[*index].len());
+    by_degree.sort_by_key(|index| degrees[*index]);
     let mut order = Vec::with_capacity(elements.len());
     for start in by_degree {
         if std::mem::replace(&mut seen[start], true) {
@@ -172,12 +185,11 @@ fn reordered(elements: &[usize], roots: &[Vec<usize>]) -> Vec<usize> {
         let mut next = order.len();
         order.push(start);
         while next < order.len() {
-            let mut fresh: Vec<usize> = neighbours[order[next]].iter().copied().filter(|n| !seen[*n]).collect();
-            fresh.sort_by_key(|index| neighbours[*index].len());
-            for index in fresh {
-                seen[index] = true;
-                order.push(index);
-            }
+            // Of a link that was come to, all elements have been seen.
+            let links = &roots[elements[order[next]]];
+            let mut fresh = distinct(links.iter().flat_map(|link| std::mem::take(&mut at_link[*link])), &mut seen);
+            fresh.sort_by_key(|index| (degrees[*index], *index));
+            order.append(&mut fresh);
             next += 1;
         }
     }

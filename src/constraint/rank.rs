@@ -44,15 +44,24 @@ pub(super) fn decide(model: &Model, selection: &RowSelection, q: &[f64], time: f
     let steps = (1..=OTHERS).map(|attempt| around(model, &closing, &components, attempt)).collect::<Vec<_>>();
     let mut singular = false;
     let metric = closing.nearby();
+    // Those rows alone lead back, where products of all of them are made, unless they leave others open.
+    let mut fewer = (metric == Metric::Coordinates && independent.contains(&false)).then(|| {
+        let mut fewer = Closing::new(model, selection, time);
+        fewer.rows.keep(|row| independent[row]);
+        fewer
+    });
     for mut step in steps {
         let mut near = q.to_vec();
         // From a step without a pattern a long chain needs many back onto its rows.
         if metric == Metric::Coordinates {
+            let closing = fewer.as_mut().unwrap_or(&mut closing);
             closing.gap(model, q);
             closing.keep_closed(model, &mut step);
         }
         crate::motion::displace(model, &mut near, &step);
-        if closing.close(model, &mut near, metric).is_err() {
+        let first = fewer.as_mut().map(|fewer| fewer.close(model, &mut near, metric));
+        let is_closed = matches!(first, Some(Ok(gap)) if gap <= CLOSED);
+        if !is_closed && closing.close(model, &mut near, metric).is_err() {
             continue;
         }
         closing.gap(model, &near);
@@ -132,7 +141,7 @@ impl Constraints {
         model.lengths().for_each(|velocity| slides[velocity] = true);
         let inner = self.between_ends(model);
         let mut entries: Vec<Vec<(usize, f64)>> = vec![Vec::new(); of_unknown.len()];
-        self.gradient(model, motion, |unknown, velocity, entry| {
+        self.gradient_over(model, motion, true, |unknown, velocity, entry| {
             // Hinges that both ends of a loop stand on carry nothing of it.
             if inner[of_unknown[unknown]].binary_search(&velocity).is_ok() {
                 entries[unknown].push((velocity, entry));

@@ -8,6 +8,7 @@ use crate::motion::{Motion, displace};
 use crate::round_off::CLOSED;
 use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
+use crate::transfer::embedded;
 use crate::transfer::reduce::Load;
 use crate::transfer::tangent::Pull;
 use faer::Mat;
@@ -281,6 +282,31 @@ impl Evaluated<'_> {
         self.system.push();
         let Some(constrained) = &self.system.constraints else { return };
         a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
+    }
+
+    /// As [`Evaluated::constrain`], by what eliminates each multiplier where its loop closes; false if all rows together are the better
+    /// way.
+    pub(super) fn constrain_by_loops(&mut self, a: &mut [f64]) -> bool {
+        let System { model, motion, reduction, constraints, .. } = &mut *self.system;
+        let Some(constrained) = constraints else { return true };
+        let rows = &mut constrained.rows;
+        if !rows.is_filled() {
+            return false;
+        }
+        rows.place(model, motion, self.q, false);
+        let pulls = rows.pulls();
+        if embedded::operations(model, &pulls).is_none_or(|operations| operations > rows.operations()) {
+            return false;
+        }
+        let mut rates = vec![0.0; rows.rank()];
+        rows.rates(motion, Rate::Acceleration(reduction.links(), a), &mut rates);
+        rates.iter_mut().for_each(|rate| *rate = -*rate);
+        let Some(multipliers) = embedded::multipliers(model, motion, &pulls, &rates) else { return false };
+        rows.set_multipliers(&multipliers);
+        self.system.push();
+        let Some(constrained) = &self.system.constraints else { return true };
+        a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
+        true
     }
 
     /// Adds what the last multipliers push to the wrenches and hinge forces of a force balance.

@@ -83,17 +83,50 @@ impl Evaluated<'_> {
     /// # Errors
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn accelerations(&mut self, a: &mut [f64]) -> Result<Factorized<'_>, Fault> {
+        self.of_tree(a)?;
+        if self.system.constraints.is_some() {
+            self.constrain(a);
+            self.system.check_finite("the acceleration", a, self.q, self.v)?;
+        }
+        Ok(Factorized { system: self.system, q: self.q, v: self.v })
+    }
+
+    /// [`Evaluated::accelerations`] for those who need no factorization: where many loops of one tree are short, in a time proportional
+    /// to its size.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    pub fn accelerations_alone(&mut self, a: &mut [f64]) -> Result<(), Fault> {
+        self.of_tree(a)?;
+        if self.system.constraints.is_some() {
+            if !self.constrain_by_loops(a) {
+                self.constrain(a);
+            }
+            self.system.check_finite("the acceleration", a, self.q, self.v)?;
+        }
+        Ok(())
+    }
+
+    /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), whatever loops, drives and
+    /// gears hold.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    pub fn articulated_inertia(&mut self, out: &mut [f64]) -> Result<(), Fault> {
+        self.of_tree(out)?;
+        self.system.reduction.articulated_inertia(&self.system.model, &self.system.motion, out);
+        Ok(())
+    }
+
+    /// The accelerations without loops, drives and gears.
+    fn of_tree(&mut self, a: &mut [f64]) -> Result<(), Fault> {
         self.gather();
         let System { model, motion, reduction, applied, tau, pressed, .. } = &mut *self.system;
         let applied = if model.forces.is_empty() && pressed.is_empty() { &[] } else { applied.as_slice() };
         if let Err(singular) = reduction.accelerations(model, motion, &Load { applied, tau }, a) {
             return Err(self.system.singular(&singular, self.q, self.v));
         }
-        if self.system.constraints.is_some() {
-            self.constrain(a);
-        }
-        self.system.check_finite("the acceleration", a, self.q, self.v)?;
-        Ok(Factorized { system: self.system, q: self.q, v: self.v })
+        self.system.check_finite("the acceleration", a, self.q, self.v)
     }
 
     /// The factorization that [`Evaluated::accelerations`] has left; for what has asked for them at this place.

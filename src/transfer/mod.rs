@@ -36,6 +36,7 @@
 
 pub mod balance;
 pub mod element;
+pub mod embedded;
 pub mod flexible;
 pub mod jacobian;
 pub mod lanes;

@@ -126,7 +126,7 @@ fn largest_acceleration(landscape: &mut Landscape<'_>, place: &Place) -> Result<
     let rows = match landscape.rows_across(&place.q)? {
         // At rest these are the accelerations that the rows allow.
         Across::Sparse(_) if free.len() == n => {
-            landscape.system().at(0.0, &place.q, &rest).accelerations(&mut acceleration)?;
+            landscape.system().at(0.0, &place.q, &rest).accelerations_alone(&mut acceleration)?;
             return Ok(largest(&acceleration));
         }
         Across::Sparse(held) => {

@@ -129,9 +129,7 @@ impl<'s> Landscape<'s> {
         let n = model.velocity_count();
         let rest = vec![0.0; n];
         let mut full = vec![0.0; n];
-        let mut inertia = rest.clone();
-        system.at(0.0, q, &rest).accelerations(&mut full)?.articulated_inertia(&mut inertia);
-        full.copy_from_slice(&inertia);
+        system.at(0.0, q, &rest).articulated_inertia(&mut full)?;
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
         even_out_balls(model, &mut full);
         let metric = free.iter().map(|i| full[*i]).collect();

@@ -103,7 +103,7 @@ impl Stiffness {
     ) -> Result<(), Fault> {
         let solver = match self {
             Self::Sweep { solver, .. } => solver,
-            Self::Bordered(bordered) => return bordered.look(system, q, Across::Full(Vec::new())),
+            Self::Bordered(bordered) => return bordered.look(system, q, (Across::Full(Vec::new()), Vec::new())),
             Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
         };
         system.at(0.0, q, rest).gather_tangent(solver, rest, &Coefficients { symmetric, ..Coefficients::default() })

@@ -156,13 +156,21 @@ impl Landscape<'_> {
 
     /// Takes the stiffness along the closed positions for solutions by sweeps.
     pub(in crate::statics) fn look_along(&mut self, q: &[f64]) -> Result<(), Fault> {
-        let rows = self.rows_across(q)?;
+        let (rows, springs) = (self.rows_across(q)?, self.braces());
         self.step_from_view();
         if !matches!(self.stiffness, Stiffness::Bordered(_)) {
             self.stiffness = Stiffness::Bordered(Bordered::new(self.model(), &self.free));
         }
         let Stiffness::Bordered(bordered) = &mut self.stiffness else { return Ok(()) };
-        bordered.look(self.system, q, rows)
+        bordered.look(self.system, q, (rows, springs))
+    }
+
+    /// A spring for each free coordinate, at the place of the view: of one frequency in the metric, as stiff as the stiffest terms.
+    fn braces(&self) -> Vec<f64> {
+        let Some(view) = self.ties.as_ref().and_then(|ties| ties.view.as_ref()) else { return Vec::new() };
+        let curvatures = view.scales.stiffness.iter().zip(&self.metric).map(|(k, b)| k / b);
+        let largest = curvatures.fold(0.0, f64::max);
+        self.metric.iter().map(|b| largest * b).collect()
     }
 
     /// `Z` and `H` at a closed position.

@@ -207,3 +207,45 @@ fn what_a_boom_bears_at_its_pin_is_the_reaction_there() {
     );
     assert!(root[4].abs() < 1e-8 * 4.0 * passed.force.norm(), "{root}");
 }
+
+/// A beam whose root is free but for a loop that welds it to the ground: without the loop it moves as a whole, and nothing of that is
+/// stiff. It takes the steps of a beam that grows from the ground, and ends where that does.
+#[test]
+fn a_beam_welded_by_a_loop_takes_the_steps_of_one_that_is_fixed() {
+    let scene = |hinge: &str, more: &str, want: &str| {
+        let text = format!(
+            "gravity = [-5.28, 2.8, -19.08]\n[statics]\nwant = {want:?}\n\
+             [[beam]]\nname = \"rod\"\nhinge = {{ {hinge} }}\nlength = 2.6\ntwist = 0.17\nelements = 8\ndegree = 2\n\
+             section = {{ circle = 0.1 }}\nmaterial = {{ young = 9e9, poisson = 0.15, density = 2100.0 }}\n\
+             free = [\"bend\", \"twist\", \"stretch\", \"shear\"]\n\
+             [[body]]\nname = \"weight\"\nmass = 75.0\ncenter = [0.5, 0.04, -0.2]\ninertia = [0.75, 0.75, 0.75]\n\
+             hinge = {{ type = \"fixed\", parent = \"rod\", at = \"tip\" }}\n{more}"
+        );
+        let scenario = stillpoint::scenario::parse("rod.toml", &text, &[]).unwrap_or_else(|found| panic!("{found}"));
+        let (model, _) = scenario.clone().built.take().expect("a sound scene");
+        let found =
+            stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("no fault");
+        assert!(found.converged, "{:?}", found.notes);
+        let weight = poses(&model, &found.position)[model.body("weight").expect("a body")].translation.vector;
+        (found, weight)
+    };
+    let weld = "[[loop]]\ntype = \"fixed\"\nbetween = [{ body = \"ground\", at = [0.3, 0.6, 0.8] }, \"rod.root\"]\n";
+    let turned = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(0.512, 0.233, 0.205, 0.8005));
+    let (roll, pitch, yaw) = turned.euler_angles();
+    let fixed = format!("type = \"fixed\", at = [0.3, 0.6, 0.8], rpy = [{roll:?}, {pitch:?}, {yaw:?}]");
+    let nalgebra::Quaternion { coords } = *turned.quaternion();
+    let [x, y, z, w] = [0, 1, 2, 3].map(|i| coords[i]);
+    let free = format!("type = \"free\", position = [0.3, 0.6, 0.8, {w:?}, {x:?}, {y:?}, {z:?}]");
+    for want in ["any", "stable"] {
+        let ((on_ground, expected), (welded, weight)) = (scene(&fixed, "", want), scene(&free, weld, want));
+        assert!(
+            welded.iterations <= on_ground.iterations + 2,
+            "{want}: {} and {} steps",
+            welded.iterations,
+            on_ground.iterations
+        );
+        // The residual of both searches.
+        assert!((weight - expected).norm() < 1e-7, "{want}: {weight} {expected}");
+        assert!(on_ground.stability.map(|one| one.verdict) == welded.stability.map(|one| one.verdict));
+    }
+}
