@@ -131,9 +131,8 @@ fn close_positions(model: &mut Model, time: f64, notes: &mut Vec<String>) -> Res
         let given_widest = closing.widest();
         let given_gap = given_widest.gap;
         let first = closing.of_guess();
-        let mut gap = closing
-            .close(model, &mut q, first)
-            .map_err(|singular| vec![undetermined(model, singular.link)])?;
+        let mut gap =
+            closing.close(model, &mut q, first).map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
         let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
         for (attempt, metric) in ways.filter(|way| *way != (0, first)) {

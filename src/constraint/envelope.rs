@@ -124,6 +124,7 @@ mod tests {
     fn solves_what_it_factorizes() {
         let first = vec![0, 0, 2, 1, 0];
         let mut matrix = Envelope::new(first.clone());
+        matrix.clear();
         let value = |i: usize, j: usize| if i == j { 4.0 + i as f64 } else { 1.0 / (1.0 + (i + 2 * j) as f64) };
         for row in 0..5 {
             for column in first[row]..=row {
@@ -143,6 +144,7 @@ mod tests {
     #[test]
     fn a_dependent_row_is_dropped() {
         let mut matrix = Envelope::new(vec![0, 0]);
+        matrix.clear();
         for (row, column) in [(0, 0), (1, 0), (1, 1)] {
             *matrix.entry(row, column) = 2.0;
         }
