@@ -5,7 +5,7 @@
 //! different sign the event is located to 10⁻¹² of the scene's time, or to the rounding of time (`search.rs`). How exact that is in the motion itself is a matter
 //! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
-//! Laws that are smooth in parts only (ropes, straight tables) are watched as stops are, see `switching.rs`.
+//! Laws that are smooth in parts only (ropes, straight tables, formulas that switch) are watched as stops are, see `switching.rs`.
 //!
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
 //! that at the start of the next step makes no second event.
