@@ -29,9 +29,7 @@ impl System {
     pub fn cross(&mut self, boundary: Boundary) {
         self.laws.cross(boundary);
     }
-}
 
-impl System {
     /// The motor whose formula has a boundary; `None` if it is of a force or a table.
     pub fn motor_of(&self, boundary: Boundary) -> Option<usize> {
         self.laws.motor(boundary)

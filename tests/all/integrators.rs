@@ -1,6 +1,6 @@
 //! Time stepping, proved on systems with known solutions.
 
-mod adaptive;
+pub(crate) mod adaptive;
 mod failures;
 mod long;
 mod mechanisms;

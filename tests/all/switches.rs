@@ -2,6 +2,7 @@
 
 use crate::common::Random;
 use crate::contact_in_motion::{read, tried};
+use crate::integrators::adaptive::ADAPTIVE;
 use stillpoint::integrate::Method;
 use stillpoint::simulate::{RunError, Summary};
 
@@ -19,16 +20,6 @@ fn slide(formula: &str, start: [f64; 2], duration: f64, tolerance: f64, method: 
         .unwrap_or_else(|error| panic!("{formula} by {method:?}: {error}"))
 }
 
-const METHODS: [Method; 7] = [
-    Method::Dopri5,
-    Method::Dop853,
-    Method::Adams,
-    Method::Sdirk4,
-    Method::Radau5,
-    Method::Radau9,
-    Method::GeneralizedAlpha,
-];
-
 /// Under `−F sign(q)` a slide goes along parabolas: from rest at `q₀` it takes `√(2 q₀ / F)` for a quarter of its period.
 #[test]
 fn a_force_that_jumps_is_followed_by_every_method() {
@@ -41,7 +32,7 @@ fn a_force_that_jumps_is_followed_by_every_method() {
         let (passed, rest) = ((turns / 2.0 + 0.5).floor(), turns - 2.0 * (turns / 2.0 + 0.5).floor());
         let sign = if passed as i64 % 2 == 0 { 1.0 } else { -1.0 };
         let exact = sign * start * (1.0 - rest * rest);
-        for method in METHODS {
+        for method in ADAPTIVE {
             let summary = slide(&format!("-{force}*sign(q)"), [start, 0.0], duration, 1e-9, method);
             let off = (summary.state.position[0] - exact).abs();
             // Parabolas are exact for every method but for the place of each crossing, which is known to its digits.
@@ -67,7 +58,7 @@ fn every_way_to_switch_ends_a_step() {
         "-3*sign(q - 0.2*(v > 0.5))",
     ] {
         let exact = slide(formula, [0.7, 0.1], 6.0, 1e-12, Method::Dop853);
-        for method in METHODS {
+        for method in ADAPTIVE {
             let summary = slide(formula, [0.7, 0.1], 6.0, 1e-8, method);
             let off = (summary.state.position[0] - exact.state.position[0]).abs();
             // Six seconds at 1e-8: jumps turn what came before into ten to a hundred times as much; generalized-alpha is of order two.

@@ -10,6 +10,8 @@ const ALIKE: f64 = 0.5;
 const MOVED: f64 = 2.0;
 /// A slip that ends may have turned while the step lasted: it is at rest up to so many times what is told from that.
 pub(super) const ENDS: f64 = 4.0;
+/// An event is located to less than this part of the speed that it watches for.
+const LOCATED: f64 = 1e-6;
 
 impl Contacts {
     /// The direction in which a contact slips.
@@ -99,7 +101,7 @@ impl Contacts {
     /// Whether a slip that turns is as slow as what is told from rest, along the direction in which the step began.
     pub(super) fn has_come_to_rest(&self, was: &Closed, slip: &Vector3<f64>) -> bool {
         let rest = self.rest_of(was);
-        matches!(was.state, ContactState::Slip(held) if rest > 0.0 && slip.dot(&held) <= rest * (1.0 + 1e-6))
+        matches!(was.state, ContactState::Slip(held) if rest > 0.0 && slip.dot(&held) <= rest * (1.0 + LOCATED))
     }
 
     /// At the end of a step: what slips goes on in the direction that it has then.

@@ -7,7 +7,7 @@ use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Statistics,
 use super::problems::{Body, Scalar};
 use super::{METHODS, adaptive, distance, fixed, run};
 
-const ADAPTIVE: [Method; 7] = [
+pub(crate) const ADAPTIVE: [Method; 7] = [
     Method::Dopri5,
     Method::Dop853,
     Method::Adams,
