@@ -91,7 +91,7 @@
 //! | [`model`] | what is simulated: a plain description, checked and compiled into a tree of links |
 //! | [`hinge`] | the kinds of hinge: coordinates, elementary joints, conditions that close a loop |
 //! | [`motion`] | where every link is and how fast it moves |
-//! | [`force`] | the kinds of force between points of bodies: springs, bushings, ropes, curves, loads |
+//! | [`force`] | the kinds of force between points of bodies: springs, bushings, ropes, curves, sliders, loads |
 //! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
 //! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
 //! | [`contact`] | solids that touch, and whether supports within cones hold a load |

@@ -241,4 +241,6 @@ kinds! {
     Rope in rope,
     /// By tables along the line between two points.
     Curve in curve,
+    /// Presses a point onto the axis of a beam, along which it slides.
+    Slider in slider,
 }

@@ -280,6 +280,8 @@ pub enum Picture<'a> {
         /// What scales both over time; `None` for what is always the same.
         over_time: Option<&'a OverTime>,
     },
+    /// Nothing: both that it acts on are seen.
+    Nothing,
 }
 
 /// What is wrong with the numbers of a described force.

@@ -45,7 +45,9 @@ pub use crate::element::guide::GuideCurve;
 pub use crate::force::load::{LoadAxes, OverTime};
 pub use crate::force::table::Interpolation;
 pub use crate::force::timeline::Timeline;
-pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Spring};
+pub use crate::force::{
+    Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Slider, Spring,
+};
 pub use crate::hinge::{AlongTurn, HingeKind};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;

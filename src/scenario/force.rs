@@ -1,11 +1,11 @@
-//! `[[force]]`: springs, bushings, ropes, curves and loads.
+//! `[[force]]`: springs, bushings, ropes, curves, sliders and loads.
 
 use super::body::Names;
 use super::curve::{interpolation, points};
 use super::findings::Finding;
 use super::reader::{Reader, Value};
 use crate::model::description::{
-    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, OverTime, Rope, Spring, Timeline,
+    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, OverTime, Rope, Slider, Spring, Timeline,
 };
 use toml::de::DeValue;
 
@@ -35,6 +35,11 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
         }
         .into(),
         "curve" => curve(table, &name, bodies)?,
+        "slider" => {
+            let on = end(table, table.value("on")?, bodies)?;
+            let damping = table.number("damping").unwrap_or(0.0);
+            Slider::new(on, table.text("along")?.to_owned(), table.number("stiffness")?, damping).into()
+        }
         "load" => Load {
             on: end(table, table.value("on")?, bodies)?,
             force: table.vector("force").unwrap_or_default(),

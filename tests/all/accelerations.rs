@@ -88,7 +88,9 @@ fn the_random_trees_contain_every_hinge_and_every_force() {
                 ForceKind::Bushing(_) => 1,
                 ForceKind::Load(Load { axes: LoadAxes::Inertial, .. }) => 2,
                 ForceKind::Load(Load { axes: LoadAxes::Body, .. }) => 3,
-                ForceKind::Rope(_) | ForceKind::Curve(_) => unreachable!("their scenes are in `ropes`"),
+                ForceKind::Rope(_) | ForceKind::Curve(_) | ForceKind::Slider(_) => {
+                    unreachable!("their scenes are in `ropes` and `sliders`")
+                }
             }] += 1;
         }
     }

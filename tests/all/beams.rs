@@ -6,6 +6,7 @@ mod closed;
 mod coarse;
 mod reference;
 mod scenes;
+mod sliders;
 mod standing;
 mod statics;
 mod sweeps;

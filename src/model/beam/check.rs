@@ -2,8 +2,9 @@
 
 use super::{BeamDescription, BeamShape, MUCH_TURN, Material, Section};
 use crate::budget::LARGEST;
-use crate::model::description::{Description, GROUND};
+use crate::model::description::{Description, ForceKind, GROUND, Slider};
 use crate::model::problem::{Element, Problem, counted, number};
+use crate::suggest;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
@@ -49,7 +50,28 @@ pub(in crate::model) fn check(description: &Description) -> Vec<Problem> {
         check_mass(&mut found, beam);
         check_rest(&mut found, beam);
     }
+    check_sliders(description, &mut problems);
     problems
+}
+
+/// What slides along a beam names one.
+fn check_sliders(description: &Description, problems: &mut Vec<Problem>) {
+    for (index, force) in description.forces.iter().enumerate() {
+        let ForceKind::Slider(Slider { along, .. }) = &force.kind else { continue };
+        let names = || description.beams.iter().map(|beam| beam.name.as_str());
+        if !names().any(|name| name == along) {
+            let near = suggest::closest_of_many(problems.len(), along, names());
+            problems.push(Problem {
+                element: Element::Force(index),
+                field: "along".to_owned(),
+                message: format!("there is no beam or cable `{along}`"),
+                help: Some(near.map_or_else(
+                    || "what is guided along a rigid body has a hinge of type `along`".to_owned(),
+                    |near| format!("did you mean `{near}`?"),
+                )),
+            });
+        }
+    }
 }
 
 fn check_start(found: &mut Findings<'_>, beam: &BeamDescription) {

@@ -4,7 +4,7 @@ use super::cable::Shape;
 use super::{BeamDescription, BeamShape, Section};
 use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
-use crate::force::{Attachment, ForceDescription, Load};
+use crate::force::{Attachment, ForceDescription, ForceKind, Load};
 use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
 use crate::model::modal::{self, ModalBodies};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
@@ -107,7 +107,19 @@ pub(in crate::model) fn expand(mut description: Description, shapes: &[Option<Sh
     for (beam, shape) in beams.iter().zip(shapes) {
         add(&mut expanded, beam, shape.as_ref());
     }
+    lay_sliders(&mut expanded);
     expanded
+}
+
+/// Finds the nodes of the beams along which points slide.
+fn lay_sliders(expanded: &mut Expanded) {
+    let Description { forces, bodies, .. } = &mut expanded.description;
+    for force in forces {
+        let ForceKind::Slider(slider) = &mut force.kind else { continue };
+        let Some(beam) = expanded.by_name.get(&slider.along).map(|beam| &expanded.beams[*beam]) else { continue };
+        let tips = beam.tips.iter().map(|(tip, [_, to])| (*tip, *to));
+        slider.lay(std::iter::once((beam.begin, 0.0)).chain(tips).map(|(body, s)| (bodies[body].name.clone(), s)));
+    }
 }
 
 /// Where elements begin and end: the beam is cut at its markers and where the law of its section changes, and the elements are

@@ -21,6 +21,10 @@ pub const FORCE: Table = Table {
             "curve",
             "A spring and damper by tables of points, along the line between two points; what is positive pulls them together.",
         ),
+        (
+            "slider",
+            "Presses a point onto the axis of a beam or cable, along which it slides: a spring k and damper c across the axis, as far as the beam goes.",
+        ),
         ("load", "A constant force and torque on a body."),
     ],
     keys: &[
@@ -34,9 +38,11 @@ pub const FORCE: Table = Table {
             .required()
             .only(&["rope"])
             .example("[\"link[0].tip\", { body = \"ground\", at = [0.0, 0.0, 1.0] }, \"link[1].tip\"]"),
-        Key::new("on", END, "Where it acts.").required().only(&["load"]).example("\"link[2].tip\""),
+        Key::new("on", END, "Where it acts; of a slider the point that slides.").required().only(&["load", "slider"]).example("\"link[2].tip\""),
         Key::new("stiffness", NOT_NEGATIVE, "Stiffness.").unit("N/m").default("0.0").only(&["spring"]).example("40.0"),
-        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring", "rope"]).example("0.5"),
+        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring", "rope", "slider"]).example("0.5"),
+        Key::new("along", Kind::Text, "Name of the beam or cable.").required().only(&["slider"]).example("\"tube\""),
+        Key::new("stiffness", POSITIVE, "Stiffness across the axis.").unit("N/m").required().only(&["slider"]).example("1e7"),
         Key::new("stiffness", POSITIVE, "Stiffness along the whole path.").unit("N/m").required().only(&["rope"]).example("4e4"),
         Key::new("length", POSITIVE, "Unstretched length of the whole path.").unit("m").required().only(&["rope"]).example("2.5"),
         Key::new("stiffness", SIX, "Stiffness along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.")

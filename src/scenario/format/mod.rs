@@ -93,7 +93,11 @@ pub const SCENARIO: Table = Table {
         ),
         Key::new("beam", Kind::List(&Kind::Table(&BEAM), &[]), "Flexible beams, in any order."),
         Key::new("cable", Kind::List(&Kind::Table(&CABLE), &[]), "Cables between two points, in any order."),
-        Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
+        Key::new(
+            "force",
+            Kind::List(&Kind::Table(&FORCE), &[]),
+            "Springs, bushings, ropes, curves, sliders and loads.",
+        ),
         Key::new("contact", Kind::List(&Kind::Table(&CONTACT), &[]), "What cannot pass through what."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("stage", Kind::List(&Kind::Table(&STAGE), &[]), "Changes of structure in a run."),

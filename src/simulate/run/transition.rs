@@ -77,10 +77,14 @@ impl Run<'_, '_> {
         let outcome = match transition {
             Transition::Contact { .. } => Outcome::default(),
             Transition::Switch(boundary) => {
+                let [q, v] = [&self.state.position, &self.state.velocity];
+                let before = motion.energies(time, q, v).potential;
                 motion.system.cross(boundary);
                 // What it jumps by may be across other boundaries at once.
                 let happened = motion.switch_laws(time, &self.state, settings.absolute_tolerance);
-                Outcome { happened, ..Outcome::default() }
+                // What lets go takes with it what it has stored.
+                let lost = before - motion.energies(time, q, v).potential;
+                Outcome { happened, lost, ..Outcome::default() }
             }
             Transition::Chatter(motor) => {
                 // A method that looks at its errors would take ever shorter steps.

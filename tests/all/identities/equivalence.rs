@@ -78,6 +78,7 @@ fn halved(description: &Description, index: usize, random: &mut Random) -> Descr
             }
             // Relaxed where the axes of both bodies are parallel: it stays where the axes are.
             ForceKind::Bushing(_) => {}
+            ForceKind::Slider(_) => unreachable!("its scenes are in `sliders`"),
         }
     }
     halved.bodies.push(BodyDescription {

@@ -45,6 +45,7 @@ fn in_another_world(description: &Description, world: &Pose) -> Description {
                 *torque = world.rotation * *torque;
             }
             ForceKind::Load(Load { axes: LoadAxes::Body, .. }) => {}
+            ForceKind::Slider(_) => unreachable!("its scenes are in `sliders`"),
         }
     }
     let at = Point::At(world.translation.vector);

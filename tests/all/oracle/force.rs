@@ -63,6 +63,7 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
             let turn = if *axes == LoadAxes::Body { at.turn } else { Matrix3::identity() };
             vec![Push { body, at: point, force: turn * force, torque: turn * torque }]
         }
+        ForceKind::Slider(_) => unreachable!("its beam is none of rigid bodies"),
     }
 }
 
