@@ -305,6 +305,58 @@ fn compliant_limits_add_where_they_overlap() {
     assert!((found.position[0] + depth).abs() < 1e-9, "{}", found.position[0]);
 }
 
+/// Pads on either side, some rigid, in one table or in several, of a slide on a spring under a force: it rests where force, spring and pads
+/// balance.
+#[test]
+fn a_coordinate_rests_on_any_of_its_tables() {
+    use stillpoint::statics::{Settings, equilibrium};
+    let mut random = Random::new(77);
+    for case in 0..200 {
+        let (spring, force) =
+            (if case % 3 == 0 { 0.0 } else { random.between(1.0, 50.0) }, random.between(-40.0, 40.0));
+        let pads: Vec<(f64, f64, bool)> = (0..1 + random.below(4))
+            .map(|_| {
+                let is_high = random.below(2) == 0;
+                let at = random.between(0.05, 0.5) * if is_high { 1.0 } else { -1.0 };
+                (at, if random.below(4) == 0 { f64::INFINITY } else { random.between(100.0, 2000.0) }, is_high)
+            })
+            .collect();
+        // Of two rigid ones on a side only one is met, and a table may have only one.
+        let rigid = |high: bool| pads.iter().filter(|(_, k, side)| k.is_infinite() && *side == high).count();
+        let ends = |high: bool| pads.iter().any(|(.., side)| *side == high);
+        if rigid(true) > 1 || rigid(false) > 1 || spring == 0.0 && !ends(force > 0.0) {
+            continue;
+        }
+        let table = |(at, stiffness, is_high): &(f64, f64, bool)| {
+            let side = if *is_high { "high" } else { "low" };
+            let law = if stiffness.is_finite() { format!(", stiffness = {stiffness}") } else { String::new() };
+            format!("{{ {side} = {at}{law} }}")
+        };
+        let tables: Vec<String> = pads.iter().map(table).collect();
+        let text = BOB
+            .replace("axis", &format!("stiffness = {spring}, force = {force}, limits = [{}], axis", tables.join(", ")));
+        let text = format!("gravity = [0, 0, 0]\n{text}");
+        let scenario = stillpoint::scenario::parse("scene.toml", &text, &[]).unwrap_or_else(|why| panic!("{why}"));
+        let model = build(&scenario.description);
+        let found = equilibrium(&model, &Settings::default(), &[0.0])
+            .unwrap_or_else(|why| panic!("case {case}: {why}\n{text}"));
+        assert!(found.converged, "case {case}: {:?}\n{text}", found.notes);
+        let pull = |x: f64| {
+            let pad = |(at, k, is_high): &(f64, f64, bool)| {
+                let depth = if *is_high { (x - at).max(0.0) } else { (x - at).min(0.0) };
+                if k.is_infinite() { 1e12 * depth } else { k * depth }
+            };
+            force - spring * x - pads.iter().map(pad).sum::<f64>()
+        };
+        let (mut low, mut high) = (-1e3, 1e3);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if pull(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        assert!((found.position[0] - low).abs() < 1e-8, "case {case}: {} {low}\n{text}", found.position[0]);
+    }
+}
+
 /// A stone on a slack rope falls freely, stops at the end of half an oscillation, and comes up again: events and their
 /// times in closed form, with several integrators.
 #[test]

@@ -38,12 +38,13 @@ pub(in crate::statics) fn touching(model: &Model, q: &[f64]) -> Set {
 
 /// The sides of the stops that an equilibrium rests on.
 pub(in crate::statics) fn borne(model: &Model, found: &Equilibrium) -> Set {
-    let side = |stop: &Stop| {
-        let hinge = model.label(stop.velocity);
-        let bearing = found.stops.iter().find(|one| one.hinge == hinge);
-        bearing.map(|one| one.side)
-    };
-    model.stops.iter().map(side).collect()
+    model.stops.iter().map(|stop| told(model, found, stop).map(|one| one.side)).collect()
+}
+
+/// What an equilibrium tells of a stop that bears; a coordinate may have several.
+pub(in crate::statics) fn told<'e>(model: &Model, found: &'e Equilibrium, stop: &Stop) -> Option<&'e BearingStop> {
+    let hinge = model.label(stop.velocity);
+    found.stops.iter().find(|one| one.hinge == hinge && one.limit == stop.limit(one.side))
 }
 
 /// The stops of a set, and the sides on which they bear.
