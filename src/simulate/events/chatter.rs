@@ -1,6 +1,6 @@
 //! Formulas that switch to and fro without getting anywhere: `sign(v)` as friction, `sign(q + v)` as a control. What they do on each side of
-//! a switch drives the scene back to it (a sliding mode, Filippov 1988). Only what switches with a speed can do so at once: a force drives
-//! back to a place in swings.
+//! a switch drives the scene back to it (a sliding mode, Filippov 1988). What switches with a speed does so at once; a force drives back to
+//! a place in swings, and where something takes energy out these become ever shorter, within a finite time (`sign(q)` beside dry friction).
 
 use super::{Events, Function, Watch};
 use crate::integrate::Stepper;
@@ -11,19 +11,58 @@ use crate::simulate::problem::Equations;
 const BANDS: f64 = 4.0;
 /// So many pieces that are left at once, one after the other, are a sliding mode.
 const MOST: u32 = 3;
+/// Swings of so many bands and more are followed.
+const FOLLOWED: f64 = 100.0;
+/// Over swings that get shorter by this factor the part by which each is shorter is compared.
+const SHORTER: f64 = 16.0;
+/// What is left of that part where every swing loses the same share of itself: all of it. Where damping takes the energy out, whose share
+/// goes with the root of the swing, it is a quarter, and there is no end of swings.
+const KEEPS: f64 = 0.6;
 
-/// How often pieces of motors have been left at once, one after the other.
+/// How motors have switched to and fro until now.
 #[derive(Debug, Default)]
-pub(super) struct Chatter(Vec<u32>);
+pub(super) struct Chatter(Vec<Motor>);
+
+/// How a motor has.
+#[derive(Debug, Default, Clone)]
+struct Motor {
+    /// Pieces of speeds left at once, one after the other.
+    at_once: u32,
+    /// The last swing about a place.
+    last: f64,
+    /// The swing from which on swings get shorter, and the part by which it was shorter than the one before.
+    first: Option<[f64; 2]>,
+}
+
+impl Motor {
+    /// Whether swings end within a finite time, and this one is among the last.
+    fn accumulates(&mut self, swing: f64, band: f64) -> bool {
+        let part = 1.0 - swing / self.last;
+        self.last = swing;
+        let Some([first, first_part]) = self.first.filter(|_| part > 0.0) else {
+            self.first = (part > 0.0 && part < 1.0).then_some([swing, part]);
+            return false;
+        };
+        if swing > first / SHORTER {
+            return false;
+        }
+        self.first = Some([swing, part]);
+        part > KEEPS * first_part && swing < FOLLOWED * band
+    }
+}
 
 impl Chatter {
-    /// Takes note of a motor's switch; whether that is one too many.
-    fn note(&mut self, motor: usize, at_once: bool) -> bool {
+    /// Takes note of a motor's switch that was `within` a piece by so much; whether that is one too many.
+    fn note(&mut self, motor: usize, is_speed: bool, within: f64, band: f64) -> bool {
         if self.0.len() <= motor {
-            self.0.resize(motor + 1, 0);
+            self.0.resize(motor + 1, Motor::default());
         }
-        self.0[motor] = if at_once { self.0[motor] + 1 } else { 0 };
-        self.0[motor] >= MOST
+        let motor = &mut self.0[motor];
+        if !is_speed {
+            return motor.accumulates(within.abs(), band);
+        }
+        motor.at_once = if within > -BANDS * band { motor.at_once + 1 } else { 0 };
+        motor.at_once >= MOST
     }
 }
 
@@ -52,6 +91,6 @@ impl Events {
             }
         }
         let is_speed = motion.switch(time, boundary, &self.state).is_speed;
-        Ok((is_speed && self.chatter.note(motor, within > -BANDS * band)).then_some(motor))
+        Ok(self.chatter.note(motor, is_speed, within, band).then_some(motor))
     }
 }
