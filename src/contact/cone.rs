@@ -14,6 +14,7 @@ mod momentum;
 mod states;
 
 use local::{Inverse, local, pressed};
+pub(crate) use momentum::Swept;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// The law of one contact.

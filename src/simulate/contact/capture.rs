@@ -135,6 +135,7 @@ impl Capture {
         made.lost += first.lost;
         made.work += first.work;
         made.opposed += first.opposed;
+        made.held_back += first.held_back;
         // What that puts in comes from nowhere: it is left unaccounted for.
         let depth = motion.raise(time + step, &mut made.position, &made.velocity)?;
         let Equations { contacts: Some(contacts), system, .. } = motion else {
@@ -185,6 +186,7 @@ fn remember(motion: &mut Equations, tried: Tried, times: [f64; 2], next: impl Fn
     memory.work += made.work;
     memory.last = times;
     memory.steps += 1;
+    contacts.held_back += made.held_back;
     memory.depth = Some(depth);
     memory.step = next(memory.step);
     let active: Vec<Id> = made.forces.iter().map(|(id, _)| *id).collect();

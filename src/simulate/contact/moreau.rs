@@ -2,7 +2,7 @@
 
 use super::Contacts;
 use super::blocks::Blocks;
-use crate::contact::cone::{Law, Problem};
+use crate::contact::cone::{Law, Problem, Swept};
 use crate::contact::frame::{self, Frame, along};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
@@ -19,6 +19,10 @@ pub(super) const SWEEPS_OF_STEP: usize = 1200;
 /// Velocities without contact are found to this part of the largest, in so many iterations at most: what a step errs by is far more.
 const FLIES: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 20;
+/// Energy that impulses may gain, in parts of what they move, as they are found to so much only.
+const BALANCED: f64 = 1e-6;
+/// How exactly the part of the rebounds is found that gains no energy.
+const NEARLY: f64 = 1e-6;
 /// What answers a push with less than this part of what it would do without loops, drives and gears is held by them, but for rounding.
 const IMMOVABLE: f64 = 1e-12;
 
@@ -36,6 +40,8 @@ pub(super) struct Made {
     pub(super) opposed: f64,
     /// Whether its forces are found.
     pub(super) found: bool,
+    /// How often less came back than restitution says, for it would have gained energy.
+    pub(super) held_back: usize,
 }
 
 impl Contacts {
@@ -220,6 +226,45 @@ fn fly(
     Ok(false)
 }
 
+/// (2) with as much of these rebounds (m/s) as gains no energy: by Kane's paradox, or where several bounce that give back different parts,
+/// all of them may. `free` are the rates without impulses. The answer, and whether something is held back.
+fn bounced(
+    problem: &mut Problem,
+    rebounds: &[f64],
+    free: &[Vector3<f64>],
+    solve: impl Fn(&Problem) -> Swept,
+) -> (Swept, bool) {
+    let still = problem.rates.clone();
+    let mut with = |share: f64| {
+        let rates = still.iter().zip(rebounds).map(|(rate, rebound)| rate + Vector3::x() * (share * rebound));
+        problem.rates = rates.collect();
+        let found = solve(problem);
+        // What contacts do to the rates is that of (2) less what their rates begin with.
+        let change = |k: usize| problem.rate(k, &found.forces) - problem.rates[k];
+        let each = |k: usize| found.forces[k].dot(&(free[k] + 0.5 * change(k)));
+        let sizes = |k: usize| found.forces[k].norm() * (free[k].norm() + change(k).norm());
+        let [gained, size] = [(0..free.len()).map(each).sum::<f64>(), (0..free.len()).map(sizes).sum()];
+        (found, gained > BALANCED * size)
+    };
+    let (whole, gains) = with(1.0);
+    if !gains || rebounds.iter().all(|rebound| *rebound == 0.0) {
+        return (whole, false);
+    }
+    let (mut least, gains) = with(0.0);
+    if gains {
+        return (whole, false);
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while high - low > NEARLY {
+        let share = 0.5 * (low + high);
+        match with(share) {
+            (found, false) => (low, least) = (share, found),
+            (_, true) => high = share,
+        }
+    }
+    (least, true)
+}
+
 /// (1) and (2).
 pub(super) fn moreau(
     motion: &mut Equations,
@@ -237,7 +282,16 @@ pub(super) fn moreau(
     let mut mass =
         system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut vec![0.0; v.len()])?;
     let Some(contacts) = contacts else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, work: 0.0, opposed: 0.0, found: flies });
+        return Ok(Made {
+            position,
+            velocity,
+            forces: Vec::new(),
+            lost: 0.0,
+            work: 0.0,
+            opposed: 0.0,
+            found: flies,
+            held_back: 0,
+        });
     };
     let mut frames = contacts.ahead(mass.motion(), h);
     let mut supports = contacts.supports(&frames, &position, v);
@@ -255,22 +309,24 @@ pub(super) fn moreau(
     let free: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     let bends: Vec<Vector3<f64>> =
         supports.iter().zip(&free).enumerate().map(|(i, (support, u))| bend(frames.get(i), support, u, h)).collect();
-    let rate = |(i, support): (usize, &Support)| {
+    let rate = |(i, support): (usize, &Support)| free[i] + bends[i] + Vector3::x() * way(support);
+    let rebound = |(i, support): (usize, &Support)| {
         let (approach, e) = (along(&support.columns[0], v) - bends[i].x, contacts.restitution(support));
-        let bounce = if -approach > contacts.rest && support.gap <= 0.0 { e * approach } else { 0.0 };
-        free[i] + bends[i] + Vector3::x() * (way(support) + bounce)
+        if -approach > contacts.rest && support.gap <= 0.0 { e * approach } else { 0.0 }
     };
+    let rebounds: Vec<f64> = supports.iter().enumerate().map(rebound).collect();
     // Of hinges the three numbers are their own.
     let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
     let known = |support: &Support| remembered(warm, support.id).map(|force| force * h);
     let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
-    let problem = Problem {
+    let mut problem = Problem {
         blocks: blocks.matrix(),
         rates: supports.iter().enumerate().map(rate).collect(),
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
-    let mut found = problem.sweep_to(&guesses, fine / h, sweeps);
+    let (mut found, held_back) =
+        bounced(&mut problem, &rebounds, &free, |problem| problem.sweep_to(&guesses, fine / h, sweeps));
     blocks.push(&found.forces, &mut velocity);
     drag(&mut mass, &problem, &supports, &velocity, &mut found.forces, contacts.slow);
     let (mut lost, mut opposed) = (0.0, 0.0);
@@ -285,5 +341,14 @@ pub(super) fn moreau(
     hinges::within_limits(&mut mass, &mut end);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    Ok(Made { position: end, velocity, forces, lost, work, opposed, found: found.found && flies })
+    Ok(Made {
+        position: end,
+        velocity,
+        forces,
+        lost,
+        work,
+        opposed,
+        found: found.found && flies,
+        held_back: usize::from(held_back),
+    })
 }
