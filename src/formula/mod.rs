@@ -34,6 +34,7 @@
 //! # Ok::<(), stillpoint::formula::FormulaError>(())
 //! ```
 
+mod detail;
 mod error;
 mod function;
 mod instants;

@@ -249,6 +249,11 @@ impl Motor {
         matches!(&self.law, MotorLaw::Formula(formula) if formula.uses(COORDINATE))
     }
 
+    /// The shortest way of its coordinate over which something in its formula can come and go (m, rad), as [`Formula::detail`].
+    pub fn detail(&self) -> f64 {
+        if let MotorLaw::Formula(formula) = &self.law { formula.detail(COORDINATE) } else { f64::INFINITY }
+    }
+
     /// Whether its force is the same at all times as long as its coordinate rests.
     pub fn is_steady(&self) -> bool {
         match &self.law {

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! (1)  0.4 rad;   half the shortest interval of a table over it, or as far as that is away;   a twentieth of the scene's length, or 0.4 rad,
-//!      under a formula of it;
+//!      under a formula of it, or a quarter of the way over which its parts change where that is longer (`formula/detail.rs`);
 //!      along a curve to the end of the next of its pieces, which are as long as its tangent turns by 0.3 rad or as its shape is resolved
 //! ```
 //!
@@ -21,6 +21,8 @@ use std::sync::Arc;
 const TURN: f64 = 0.4;
 /// Part of the scene's length along which a formula is looked at once.
 const WAY: f64 = 0.05;
+/// Part of the shortest way over which something in a formula comes and goes.
+const DETAIL: f64 = 0.25;
 /// Part of the shortest interval of a table.
 const INTERVAL: f64 = 0.5;
 
@@ -74,7 +76,10 @@ impl Stride {
         let tables = tables.collect();
         for motor in model.motors.iter().filter(|motor| motor.is_of_place()) {
             let way = if motor.coordinate.slides { WAY * model.length_scale() } else { TURN };
-            reaches.push((motor.coordinate.velocity, way));
+            let way = way.max(DETAIL * motor.detail());
+            if way.is_finite() {
+                reaches.push((motor.coordinate.velocity, way));
+            }
         }
         let guide = |link: &Link| {
             let guide = model.rods[link.joint.rod()?].guide()?;

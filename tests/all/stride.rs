@@ -99,3 +99,21 @@ fn a_formula_of_an_angle_acts_wherever_it_is() {
         assert!(summary.state.velocity[0].abs() < 0.1, "{method:?}: {:?}", summary.state);
     }
 }
+
+/// A train whose resistance changes at a place far away takes steps by its own motion, not by its own length: under a force of pieces, and
+/// under one that changes slowly along the track.
+#[test]
+fn a_formula_of_a_place_holds_steps_up_by_what_changes_in_it() {
+    let base = "min(60000, 1000000/max(v, 1)) - 5*v*abs(v)";
+    for (grade, most) in [("500", 1000), ("(1500 if q > 5000 else 500)", 1000), ("500*cos(q/2000)", 1000)] {
+        let text = format!(
+            "[[body]]\nname = \"train\"\nmass = 40000\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = 0.1 }}\n\
+             [[motor]]\nhinge = \"train\"\ntype = \"expression\"\nexpression = \"{base} - {grade}\"\n"
+        );
+        let summary = go(&read(&text), 600.0, 1e-8, Method::Dop853);
+        assert!(summary.statistics.steps < most, "{grade}: {} steps", summary.statistics.steps);
+        let exact = go(&read(&text), 600.0, 1e-11, Method::Radau9);
+        let off = (summary.state.position[0] / exact.state.position[0] - 1.0).abs();
+        assert!(off < 1e-6, "{grade}: {off}");
+    }
+}
