@@ -76,7 +76,7 @@ impl Tableau {
         self.is_better = before.iter().zip(&self.best.error).any(|(before, now)| *now < 0.5 * before);
     }
 
-    /// Takes (3) at the next distance: of kinks it does not fall. `sizes` of derivatives.
+    /// Takes (3) at the next distance, less what is round-off there: of kinks it does not fall. `sizes` of derivatives.
     fn bend(&mut self, bends: Vec<f64>, sizes: &[f64]) {
         let Some([first, least]) = &mut self.bends else {
             self.bends = Some([bends.clone(), bends]);
@@ -119,7 +119,10 @@ pub fn derivative(
         if let (Ok(after), Ok(before)) = (&after, &before) {
             let both = || after.iter().zip(before);
             central.push(both().map(|(after, before)| (after - before) / (2.0 * h)).collect());
-            let bends = both().zip(center).map(|((after, before), y)| (after - 2.0 * y + before).abs() / h);
+            let bends = both()
+                .zip(center)
+                .zip(noise)
+                .map(|(((after, before), y), noise)| ((after - 2.0 * y + before).abs() - FLOOR * noise).max(0.0) / h);
             central.bend(bends.collect(), sizes);
             if level > 0 && central.is_fine(sizes, &floors) {
                 break;

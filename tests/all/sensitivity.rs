@@ -252,6 +252,58 @@ fn stops_that_bear_take_part() {
     assert!((derivative(&table, 1, "pan.mass").unwrap() + 9.80665 * 0.1).abs() < 1e-10);
 }
 
+/// What is stiff beside what is soft (an elastic cable that bends easily, on an arm that a loop holds) has derivatives, too: those of differences
+/// of equilibria.
+#[test]
+fn a_cable_on_a_held_arm_answers_as_when_found_again() {
+    let text = |rod: f64, cable: f64| {
+        format!(
+            "[[body]]\nname = \"arm\"\nmass = 2.0\ninertia = [0.02, 0.2, 0.2]\ncenter = [0.5, 0, 0]\nmarkers = {{ tip = [1, 0, 0] }}\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\n\
+             [[body]]\nname = \"bar\"\nmass = 0.5\ninertia = [0.01, 0.05, 0.05]\ncenter = [0.2, 0, 0]\nmarkers = {{ end = [0.4, 0, 0] }}\n\
+             hinge = {{ type = \"revolute\", parent = \"arm\", at = \"tip\", axis = [0, 1, 0], stiffness = 20.0 }}\n\
+             [[loop]]\nname = \"rod\"\ntype = \"rod\"\nbetween = [\"arm.tip\", {{ body = \"ground\", at = [1, 0, 1] }}]\nlength = {rod}\n\
+             [[cable]]\nname = \"c\"\nbetween = [\"bar.end\", {{ body = \"ground\", at = [2, 0, 0] }}]\nlength = {cable}\n\
+             section = {{ circle = 0.002 }}\nmaterial = {{ young = 5e9, density = 2000.0 }}\nbending = 0.0005\nelements = 6\n\
+             [[output]]\nname = \"x\"\ntype = \"position\"\nof = \"bar.end\"\naxis = [0, 0, 1]\n"
+        )
+    };
+    let place = |rod: f64, cable: f64| {
+        let scenario = parse("arm.toml", &text(rod, cable), &[]).unwrap_or_else(|why| panic!("{why}"));
+        let (model, found) = solved(&scenario.description).expect("an equilibrium");
+        statics::outputs(&model, &found).expect("numbers")[0]
+    };
+    let table = answers(&text(1.0, 0.6), &["x"]).unwrap_or_else(|why| panic!("{why}"));
+    for (address, by) in [("rod.length", [1.0, 0.0]), ("c.length", [0.0, 1.0])] {
+        let difference =
+            |h: f64| (place(1.0 + h * by[0], 0.6 + h * by[1]) - place(1.0 - h * by[0], 0.6 - h * by[1])) / (2.0 * h);
+        let expected = (4.0 * difference(5e-5) - difference(1e-4)) / 3.0;
+        let found = derivative(&table, 0, address).unwrap_or_else(|| panic!("none by {address}: {:?}", table.notes));
+        assert!((found / expected - 1.0).abs() < 1e-5, "{address}: {found} {expected}");
+    }
+}
+
+/// Which end of a cable comes first is a matter of the drawing.
+#[test]
+fn stays_answer_whichever_end_comes_first() {
+    let path = format!("{}/scenarios/stayed_mast.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).expect("a shipped scenario");
+    let mut turned = text.clone();
+    for at in ["[8.0, 0.0, 0.0]", "[-4.0, 7.0, 0.0]", "[-4.0, -7.0, 0.0]"] {
+        let [ground, top] = [format!("{{ body = \"ground\", at = {at} }}"), "\"mast.top\"".to_owned()];
+        let [one, other] = [format!("[{ground}, {top}]"), format!("[{top}, {ground}]")];
+        let (from, to) = if turned.contains(&one) { (&one, &other) } else { (&other, &one) };
+        assert!(turned.contains(from), "{at}");
+        turned = turned.replace(from, to);
+    }
+    let of = |text: &str| {
+        let table = answers(text, &["length"]).unwrap_or_else(|why| panic!("{why}"));
+        derivative(&table, 0, "fore.pretension").unwrap_or_else(|| panic!("{:?}", table.notes))
+    };
+    let (one, other) = (of(&text), of(&turned));
+    assert!((one / other - 1.0).abs() < 1e-3, "{one} {other}");
+}
+
 #[test]
 fn what_is_at_a_switch_has_no_derivative_and_says_so() {
     let rope = |length: f64| {

@@ -13,6 +13,7 @@
 //! that is checked: it proves (1). Where there are more numbers than motions they are taken from the other end (see `adjoint`).
 
 mod adjoint;
+mod stops;
 
 use super::certify::bearing::{self, Set};
 use super::certify::equilibrium::Equilibrium;
@@ -31,6 +32,8 @@ use crate::suggest::closest;
 use adjoint::Adjoint;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+pub use stops::idle_stops;
+use stops::one_sided;
 
 /// The largest distance of a difference, as a part of a number's unit.
 const FIRST: f64 = 1e-2;
@@ -42,14 +45,19 @@ const SMALL: f64 = 1e-3;
 const ZERO: f64 = 1e-11;
 /// A derivative whose error is larger than this part of it, or of [`SMALL`], is not known.
 const KNOWN: f64 = 1e-6;
+/// A slope is corrected, so many times at most and as long as that halves its error, until what it leaves unbalanced moves the coordinates by
+/// less than the first part of it; with more than the other part it is not known.
+const CLOSE: f64 = 1e-10;
+const EXACT: f64 = 1e-5;
+const HALVES: f64 = 0.5;
+const MOST_ROUNDS: usize = 3;
 /// Forces that change along (2) by more than this part of ∂f/∂p disprove (1).
 const PROVED: f64 = 1e-6;
 /// Frequencies that differ by less than this part are one: its derivative is no single number.
 const REPEATED: f64 = 1e-6;
-/// What bears with less than this part of the largest force is about to lift off.
-const LIFTS: f64 = 1e-9;
 
 /// Why there is no derivative at a switch.
+const ROUGH: &str = "the forces do not change smoothly with it";
 const KINK: &str = "the forces have a kink here: a spring, rope or motor is at a switch";
 
 /// Derivatives of outputs by numbers of the scene.
@@ -306,7 +314,13 @@ impl<'a> Study<'a> {
         let stability = found.stability.as_ref();
         let slides = (0..model.velocity_count()).filter(|i| !moving.model().coordinates[*i].lock);
         let length = moving.length();
-        let levers = slides.map(|i| if moving.slides(i) { length } else { 1.0 }).collect();
+        let levers: Vec<f64> = slides.map(|i| if moving.slides(i) { length } else { 1.0 }).collect();
+        let mut noise = place.scales.noise;
+        if model.is_constrained() {
+            // Loops are closed to round-off, and what is stiff feels that.
+            let stiff = place.scales.stiffness.iter().zip(&levers).map(|(k, lever)| f64::EPSILON * k * lever);
+            noise.iter_mut().zip(stiff).for_each(|(noise, stiff)| *noise = noise.max(stiff));
+        }
         let mut study = Self {
             moving,
             model,
@@ -315,7 +329,7 @@ impl<'a> Study<'a> {
             center: Vec::new(),
             units: Vec::new(),
             forces: place.scales.force,
-            noise: place.scales.noise,
+            noise,
             levers,
             neutral: stability.is_some_and(|stability| stability.neutral_directions > 0),
             names: outputs.iter().map(|output| output.name.clone()).collect(),
@@ -360,6 +374,11 @@ impl<'a> Study<'a> {
         Ok(all)
     }
 
+    /// The fastest coordinate of a motion, in radians or parts of the scene's length.
+    fn fastest(&self, slope: &[f64]) -> f64 {
+        slope.iter().zip(&self.levers).map(|(x, lever)| x.abs() / lever).fold(0.0, f64::max)
+    }
+
     /// One column.
     fn by(&mut self, one: &'a Parameter, number: &Influence) -> Vec<Option<f64>> {
         let value = number.value;
@@ -398,8 +417,10 @@ impl<'a> Study<'a> {
         }
         // What closing the loops moves, (2) closes again: a part of a radian or of the scene's length is exact enough.
         let part = |i: usize| if i < count { 1.0 } else { 1.0 / SMALL };
-        if (0..sizes.len()).any(|i| error[i] > KNOWN * change[i].abs().max(part(i) * sizes[i])) {
-            return Err("the forces do not change smoothly with it".to_owned());
+        // Otherwise (2) shows how exact it is.
+        let is_rough = |i: usize| error[i] > KNOWN * change[i].abs().max(part(i) * sizes[i]);
+        if self.neutral && (0..sizes.len()).any(is_rough) {
+            return Err(ROUGH.to_owned());
         }
         let moves = change.split_off(count);
         let mut slope = match change.iter().all(|x| *x == 0.0) {
@@ -418,22 +439,42 @@ impl<'a> Study<'a> {
         slope: &[f64],
         change: &[f64],
     ) -> Result<Vec<Option<f64>>, String> {
-        let unit = self.unit(one, value);
-        let fastest = slope.iter().zip(&self.levers).map(|(x, lever)| x.abs() / lever).fold(0.0, f64::max);
+        let (unit, count) = (self.unit(one, value), self.rows.len());
+        let (mut slope, mut rounds, mut before) = (slope.to_vec(), 0, f64::INFINITY);
+        let fastest = self.fastest(&slope);
         let first = (FIRST * unit).min(FARTHEST / fastest.max(f64::MIN_POSITIVE));
         let sizes: Vec<f64> = self.units.iter().chain(&self.forces).map(|size| SMALL * size / unit).collect();
         let center = self.center.clone();
         let noise = self.noise.clone();
-        let found = derivative(&mut |h| self.along(slope, value, h), &center, first, (&sizes, &noise))?;
-        let count = self.rows.len();
+        // What forces change along (2) is small: from that (1) is known more exactly than from what they change at fixed coordinates.
+        let found = loop {
+            let found = derivative(&mut |h| self.along(&slope, value, h), &center, first, (&sizes, &noise))?;
+            if found.kinks[count..].contains(&true) {
+                return Err(KINK.to_owned());
+            }
+            if self.neutral {
+                break found;
+            }
+            let left = self.moving.answer(self.q, value, &found.value[count..], false)?;
+            let off = self.fastest(&left);
+            if off <= CLOSE * fastest || !(off > ZERO / unit) {
+                break found;
+            }
+            if rounds == MOST_ROUNDS || off > HALVES * before {
+                if off > EXACT * fastest.max(SMALL / unit) {
+                    return Err(ROUGH.to_owned());
+                }
+                break found;
+            }
+            before = off;
+            slope.iter_mut().zip(&left).for_each(|(slope, left)| *slope += left);
+            rounds += 1;
+        };
         let most = change.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let unproved = |i: usize| {
             let noise = found.error[i].max(ZERO * self.forces[i - count] / unit);
             found.value[i].abs() > PROVED * most + noise
         };
-        if found.kinks[count..].contains(&true) {
-            return Err(KINK.to_owned());
-        }
         if (count..center.len()).any(unproved) {
             return Err(match self.neutral {
                 true => "it pushes a zero-stiffness direction: there is no equilibrium beside this one".to_owned(),
@@ -457,44 +498,4 @@ impl<'a> Study<'a> {
         }
         Ok(column)
     }
-}
-
-/// Stops of an equilibrium that touch and bear next to nothing: how it answers to a push is another one on their other side.
-pub fn idle_stops(model: &Model, found: &Equilibrium) -> Vec<String> {
-    let largest = found.reactions.iter().map(|wrench| wrench.force.norm()).fold(0.0, f64::max);
-    let touched = bearing::touching(model, &found.position);
-    let idle = |(index, stop): (usize, &crate::model::Stop)| {
-        let hinge = model.label(stop.velocity);
-        let load = found.stops.iter().find(|one| one.hinge == hinge).map_or(0.0, |one| one.load);
-        let lever = model.length_scale() / bearing::unit(model, stop.velocity);
-        let bears = load > LIFTS * largest * lever;
-        (touched[index].is_some() && !bears).then_some(hinge)
-    };
-    model.stops.iter().enumerate().filter_map(idle).collect()
-}
-
-/// Stops that touch without a push: on their other side derivatives are others.
-fn one_sided(model: &Model, found: &Equilibrium, set: &Set, largest: f64) -> Vec<String> {
-    let touched = bearing::touching(model, &found.position);
-    let idle = |index: usize| {
-        let stop = &model.stops[index];
-        let hinge = model.label(stop.velocity);
-        let load = found.stops.iter().find(|one| one.hinge == hinge).map_or(0.0, |one| one.load);
-        let lever = bearing::unit(model, stop.velocity);
-        match set[index] {
-            None => touched[index]
-                .is_some()
-                .then(|| format!("the stop of {hinge} touches and bears nothing: sensitivities are those without it")),
-            _ if load * lever <= LIFTS * largest => {
-                Some(format!("the stop of {hinge} bears next to nothing: sensitivities hold as long as it bears"))
-            }
-            _ => None,
-        }
-    };
-    let mut notes: Vec<String> = (0..set.len()).filter_map(idle).collect();
-    let bears: Vec<String> = found.stops.iter().map(|stop| stop.hinge.clone()).collect();
-    if !bears.is_empty() {
-        notes.push(format!("sensitivities hold as long as the stops of {} bear", bears.join(", ")));
-    }
-    notes
 }
