@@ -36,6 +36,8 @@ const SAME_MATRIX: f64 = 0.1;
 /// A short way back in the metric of the inertia takes a handful of steps. With more of them a light body that cannot close the
 /// gap by itself swings to and fro while a heavy one hardly moves: all coordinates are bent then.
 const SHORT_WAY: usize = 30;
+/// A beam that is bent by so much goes as far as a hinge that turns by 1 rad.
+const BENDS: f64 = 0.05;
 /// Largest turn (rad), and part of the scene's length, of one step within a loop.
 const LONGEST_STEP: f64 = 0.3;
 
@@ -155,8 +157,10 @@ pub(super) struct Closing {
     rest: Vec<f64>,
     /// Of [`Closing::bend`]: its order is used again.
     gram: Option<Gram>,
-    /// Of every velocity coordinate, what is as far as a turn by 1 rad: the scene's length for a slide.
+    /// Of every velocity coordinate, what is as far as a turn by 1 rad of a hinge: the scene's length for a slide.
     units: Vec<f64>,
+    /// Whether something between the ends of loops bends.
+    bends: bool,
     /// Of every velocity coordinate, its longest step (m or rad): infinite outside of loops, for drives and gears are linear.
     longest: Vec<f64>,
 }
@@ -171,13 +175,20 @@ impl Closing {
         model.lengths().for_each(|velocity| units[velocity] = length);
         let mut longest = vec![f64::INFINITY; n];
         let loops = rows.elements.iter().filter(|element| matches!(element.owner, Owner::Loop(_)));
+        let bends = loops.clone().flat_map(|of| between_ends(model, of)).any(|link| model.links[link].joint.is_flex());
         for link in loops.flat_map(|element| between_ends(model, element)).map(|link| &model.links[link]) {
             for i in link.velocity..link.velocity + link.joint.counts().1 {
                 longest[i] = LONGEST_STEP * units[i];
             }
         }
+        // Hinges close a gap before beams do: these have to be bent.
+        let flexible = model.links.iter().filter(|link| link.joint.is_flex());
+        for i in flexible.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1) {
+            units[i] *= BENDS;
+        }
         Self {
             longest,
+            bends,
             gram: None,
             rows,
             motion: Motion::new(model),
@@ -207,7 +218,7 @@ impl Closing {
 
     /// The metric in which a guess is brought onto the rows.
     pub(super) fn of_guess(&self) -> Metric {
-        match self.rows.is_filled() {
+        match self.rows.is_filled() || self.bends {
             true => Metric::Coordinates,
             false => Metric::Inertia,
         }

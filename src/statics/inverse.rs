@@ -180,12 +180,24 @@ impl Search<'_> {
         if !place_now.is_balanced() && !self.let_go.is_empty() {
             notes.push(format!("the stop of {} would have to pull to hold the pose", self.let_go.join(", ")));
         }
+        if let (false, Some(name)) = (place_now.is_balanced(), flexible(&model)) {
+            notes.push(format!(
+                "the pose that is held is that of every part of `{name}`, too, which bends and stretches otherwise as its forces change: with \
+                 `[statics] aim` say what is to stay where it is, such as outputs of positions or angles"
+            ));
+        }
         let model = model.starting_at(pose);
         let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
         found.converged = found.balanced && influential;
         found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
         Ok((best, model, found))
     }
+}
+
+/// A beam, cable or modal body of a model, if it has one.
+fn flexible(model: &Model) -> Option<&str> {
+    let first = model.beams.first().map(|beam| beam.name.as_str());
+    first.or_else(|| model.modals.first().map(|modal| modal.name.as_str()))
 }
 
 /// A scene, its model and its balance.
