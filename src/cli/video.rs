@@ -16,6 +16,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::sync_channel;
+use std::thread;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -40,6 +42,8 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
+/// Pictures that are painted before they are needed, at most.
+const AHEAD: usize = 2;
 /// A film of more pictures is not meant.
 const MOST_PICTURES: usize = 100_000;
 
@@ -70,17 +74,35 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let shown = moments(&clips, arguments)?;
     let mut reel = arguments.reel()?;
     let mut progress = Progress::new(1.0, arguments.quiet || arguments.json);
-    let painter = Painter::default();
     let most = clips.iter().flat_map(|clip| clip.loads.iter().flatten()).copied().fold(0.0, f64::max);
-    for (number, (clip, index)) in shown.iter().enumerate() {
-        if interrupt.requested() {
-            return Ok(Exit::Interrupted);
+    let has_loads = arguments.looks.loads();
+    let (painted, next) = sync_channel(AHEAD);
+    let (clips, drawing, frame, order) = (&clips, &drawing, &frame, &shown);
+    // One thread paints what the other encodes.
+    let is_whole = thread::scope(|scope| {
+        scope.spawn(move || {
+            let painter = Painter::default();
+            for (clip, index) in order {
+                let clip = &clips[*clip];
+                let with_loads = || drawing.clone().with_loads(LoadTime::At(clip.times[*index]));
+                let drawing = if has_loads { &with_loads() } else { drawing };
+                if painted.send(paint(&painter, drawing, (clip, *index), frame, most)).is_err() {
+                    break;
+                }
+            }
+        });
+        // Dropped with a film that ends early, for which nobody paints on.
+        for (number, pixels) in next.into_iter().enumerate() {
+            if interrupt.requested() {
+                return Ok(false);
+            }
+            progress.part(number as f64 / order.len() as f64);
+            reel.add(&pixels?)?;
         }
-        progress.part(number as f64 / shown.len() as f64);
-        let clip = &clips[*clip];
-        let with_loads = || drawing.clone().with_loads(LoadTime::At(clip.times[*index]));
-        let drawing = if arguments.looks.loads() { &with_loads() } else { &drawing };
-        reel.add(&paint(&painter, drawing, (clip, *index), &frame, most)?)?;
+        anyhow::Ok(true)
+    })?;
+    if !is_whole {
+        return Ok(Exit::Interrupted);
     }
     drop(progress);
     let written = reel.finish()?;

@@ -104,11 +104,12 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
         Ok(count) if (1..=MOST_VALUES).contains(&count) => count,
         _ => return Err(format!("`{count}` is not a number of cases from 1 to {MOST_VALUES}")),
     };
-    // Both ends come out as they are given.
+    // Both ends come out as they are given, and 0.3 between 0.1 and 0.5 as such: the last of sixteen digits is that of the sum.
+    let rounded = |x: f64| format!("{x:.14e}").parse().unwrap_or(x);
     let value = |k: usize| match k {
         0 => from,
         k if k + 1 == count => to,
-        k => from + (to - from) * (k as f64 / (count - 1) as f64),
+        k => rounded(from + (to - from) * (k as f64 / (count - 1) as f64)),
     };
     // Whole numbers stay so: there are keys that take no others.
     let whole = written.iter().all(|end| !end.contains(['.', 'e', 'E'])) && (0..count).all(|k| value(k).fract() == 0.0);
