@@ -14,7 +14,7 @@ pub mod table;
 pub mod timeline;
 
 pub use end::{Attachment, Carrier, End, GROUND, Point};
-pub use question::{Act, Describe, LineKind, Magnitude, Picture, Report, Switch};
+pub use question::{Act, Describe, LineKind, Magnitude, Picture, Report, Switch, Within};
 
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
@@ -221,6 +221,10 @@ macro_rules! kinds {
 
             fn vary_line(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [f64; 2] {
                 match self { $(Self::$kind(law) => law.vary_line(links, by),)+ }
+            }
+
+            fn within(&self, tip: usize, links: &[LinkMotion]) -> Option<Within> {
+                match self { $(Self::$kind(law) => law.within(tip, links),)+ }
             }
 
             fn picture(&self) -> Picture<'_> {

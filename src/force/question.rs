@@ -184,6 +184,11 @@ pub trait Act {
         [0.0; 2]
     }
 
+    /// What it pushes an element of a beam with between its ends, by the link at the element's tip.
+    fn within(&self, _tip: usize, _links: &[LinkMotion]) -> Option<Within> {
+        None
+    }
+
     /// What is drawn.
     fn picture(&self) -> Picture<'_>;
 }
@@ -203,6 +208,17 @@ pub struct Magnitude {
     pub stiffness: f64,
     /// (N m/rad)
     pub turn_stiffness: f64,
+}
+
+/// A load on an element of a beam between its ends, and what stands for it there.
+#[derive(Debug, Clone, Copy)]
+pub struct Within {
+    /// How far it is from the element's root, along the unstrained element (m).
+    pub at: f64,
+    /// The link at the element's root.
+    pub root: usize,
+    /// What is put on the links at its root and at its tip in place of it.
+    pub on: [Wrench; 2],
 }
 
 /// A function whose change of sign is the crossing of a boundary between two smooth parts of a law.

@@ -7,6 +7,7 @@ mod angles;
 mod beams;
 mod gravity;
 mod lengths;
+mod sliders;
 mod springs;
 
 use super::findings::{Finding, Findings};
@@ -53,6 +54,7 @@ pub(super) fn check(document: &DeTable<'_>, description: &Description, numbers: 
     springs::check(&scene, &lengths);
     lengths::check(&scene, &lengths);
     beams::check(&scene);
+    sliders::check(&scene);
     check_stages(&scene);
 }
 

@@ -2,6 +2,7 @@
 
 use crate::dynamics::evaluated::Balanced;
 use crate::element::{Rod, RodMotion, joined, quadrature};
+use crate::force::Act;
 use crate::model::beam::BeamElement;
 use crate::spatial::Wrench;
 use crate::transfer::flexible::RodBalance;
@@ -51,6 +52,15 @@ impl Balanced<'_> {
         missed.add_times(-1.0, &beyond(0.0));
         let (mut sum, turn) = (beyond(s), place(s).0);
         sum.add_times(1.0 - s / rod.length, &missed);
+        // What is put on both ends in place of a load between them: beyond the load nothing, before it all of it.
+        let links = &system.motion.links;
+        for load in system.laws.forces.iter().filter_map(|force| force.law.within(element.link, links)) {
+            let from = |link: usize| links[link].position - root.position - place(s).1;
+            match s < load.at {
+                true => sum.add_times(-1.0, &load.on[0].shifted(from(load.root))),
+                false => sum.add_times(1.0, &load.on[1].shifted(from(element.link))),
+            }
+        }
         -joined(&turn.tr_mul(&sum.force), &turn.tr_mul(&sum.moment))
     }
 }

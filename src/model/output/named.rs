@@ -135,13 +135,13 @@ pub(super) fn line(model: &Model, name: &str) -> Result<LengthQuantity, Unknown>
         Some(index) if model.forces[index].law.is_line() => Ok(LengthQuantity::Line(index)),
         Some(_) => Err(unknown(
             format!("`{name}` has no length"),
-            "springs, curves, ropes, beams and cables have one".to_owned(),
+            "springs, curves, ropes, sliders, beams and cables have one".to_owned(),
         )),
         None => {
             let lines = model.forces.iter().filter(|force| force.law.is_line()).map(|force| force.name.as_str());
             let all = lines.chain(model.beams.iter().map(|beam| beam.name.as_str()));
             let near = closest(name, all).map(|near| format!("did you mean `{near}`?"));
-            Err(unknown(format!("no spring, curve, rope, beam or cable is called `{name}`"), near))
+            Err(unknown(format!("no spring, curve, rope, slider, beam or cable is called `{name}`"), near))
         }
     }
 }

@@ -19,9 +19,9 @@ pub const OUTPUT: Table = Table {
         ("rate", "Velocities of a hinge."),
         (
             "force",
-            "What an element pushes with: of springs, curves, ropes and rods the pull; of motors, drives, gears and stops the force in the coordinate; of bushings, loads and loops six numbers; of contacts the force on the second body.",
+            "What an element pushes with: of springs, curves, ropes and rods the pull; of sliders what they are pressed with; of motors, drives, gears and stops the force in the coordinate; of bushings, loads and loops six numbers; of contacts the force on the second body.",
         ),
-        ("length", "Length of a spring, a curve, the path of a rope, or the centre line of a beam or cable."),
+        ("length", "Length of a spring, a curve, the path of a rope, or the centre line of a beam or cable; of a slider how far it is from the root of its beam."),
         ("reaction", "What a hinge passes to its body at the body's root marker: force, then moment."),
         (
             "section",
@@ -58,7 +58,7 @@ pub const OUTPUT: Table = Table {
         .required()
         .only(&["force"])
         .example("\"strut\""),
-        Key::new("of", Kind::Text, "Name of a spring, curve, rope, beam or cable.").required().only(&["length"]).example("\"strut\""),
+        Key::new("of", Kind::Text, "Name of a spring, curve, rope, slider, beam or cable.").required().only(&["length"]).example("\"strut\""),
         Key::new("of", Kind::Text, "Name of a beam or cable.").required().only(&["section"]).example("\"boom\""),
         Key::new("s", NOT_NEGATIVE, "Distance of the section from the root, along the beam without load.")
             .unit("m")
