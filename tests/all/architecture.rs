@@ -135,6 +135,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "integrate",
             "mesh",
             "model",
+            // `motion` for where the points of a scene are as it is given.
+            "motion",
             "quantity",
             "constraint",
             "simulate",

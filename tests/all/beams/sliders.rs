@@ -169,6 +169,40 @@ fn what_slides_off_a_free_rod_keeps_its_momentum() {
     assert!(summary.energy_drift.abs() < 1e-6 * summary.energy_start, "{:e}", summary.energy_drift);
 }
 
+/// Between the ends of an element, too, the moment is that of a beam on two bearings: `F b s/l` before the load, `F a (l − s)/l` beyond it; the error that
+/// is told is about that of the moment.
+#[test]
+fn a_beam_bears_what_it_should_under_a_point_within_an_element() {
+    for (elements, at) in [(2, 3.1), (4, 6.7), (8, 3.1)] {
+        let text = format!(
+            "gravity = [0, 0, 0]\n[[beam]]\nname = \"deck\"\nhinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\nlength = 10.0\nelements = {elements}\n\
+             section = {{ stiffness = [1e10, 1e10, 1e10, 1e6, 4e6, 4e6] }}\nmass_per_length = 1.0\nfree = [\"bend\"]\n\
+             [[loop]]\nname = \"bearing\"\ntype = \"rod\"\nbetween = [{{ body = \"ground\", at = [10, 0, -1000] }}, \"deck.tip\"]\nlength = 1000.0\n\
+             [[body]]\nname = \"load\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], at = [{at}, 0, 0], force = -50.0 }}\n\
+             [[force]]\nname = \"foot\"\ntype = \"slider\"\non = \"load\"\nalong = \"deck\"\nstiffness = 1e6\n"
+        );
+        let moments: Vec<f64> = (1..20).map(|k| f64::from(k) / 2.0).filter(|s| (s - at).abs() > 1e-9).collect();
+        let outputs: String = moments
+            .iter()
+            .map(|s| {
+                format!("[[output]]\nname = \"m{s}\"\ntype = \"section\"\nof = \"deck\"\ns = {s}\ncomponent = \"my\"\n")
+            })
+            .collect();
+        let scenario = parse("scene.toml", &format!("{text}{outputs}"), &[]).unwrap_or_else(|why| panic!("{why}"));
+        let model = build(&scenario.description);
+        let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
+        assert!(found.converged, "{:?}", found.notes);
+        let told = stillpoint::statics::outputs(&model, &found).expect("numbers");
+        let most = 50.0 * at * (10.0 - at) / 10.0;
+        for (s, told) in moments.iter().zip(&told) {
+            let expected = if *s < at { 50.0 * (10.0 - at) * s / 10.0 } else { 50.0 * at * (10.0 - s) / 10.0 };
+            assert!((told.abs() - expected).abs() < 1e-3 * most, "{elements} elements, {at}, {s}: {told} {expected}");
+        }
+        let error = stillpoint::statics::beams(&model, &found).expect("a state")[0].error.forces;
+        assert!(error > 0.2 / f64::from(elements) / 10.0 && error < 0.3, "{elements} elements: {error}");
+    }
+}
+
 /// Every bad slider is refused with its line, and the caret on what is bad.
 #[test]
 fn bad_sliders_are_shown_where_they_are() {
@@ -188,5 +222,20 @@ fn bad_sliders_are_shown_where_they_are() {
             Err(found) => found.to_string(),
         };
         assert!(found.contains(message) && found.contains(&format!("scene.toml:{place}")), "{text}\n{found}");
+    }
+    let moved = |at: &str| {
+        format!(
+            "{}on = \"bob\"\nalong = \"tube\"\nstiffness = 1.0\n",
+            beam.replace("\"planar\"", &format!("\"planar\", position = {at}"))
+        )
+    };
+    for (at, warned) in [
+        ("[-0.5, 0, 0]", "beyond the end of `tube`"),
+        ("[0.5, 0.4, 0]", "0.4 m beside the axis"),
+        ("[0.5, 0.05, 0]", ""),
+    ] {
+        let scenario = parse("scene.toml", &moved(at), &[]).unwrap_or_else(|why| panic!("{why}"));
+        let told = scenario.warnings.to_string();
+        assert!(told.contains("`shoe`") == !warned.is_empty() && told.contains(warned), "{at}: {told}");
     }
 }
