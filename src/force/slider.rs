@@ -289,12 +289,12 @@ impl Act for SliderLaw {
 
 impl SliderLaw {
     /// How far the point is beside the axis (m); `None` beyond the ends of the beam.
-    pub(crate) fn beside(&self, links: &[LinkMotion]) -> Option<f64> {
+    pub fn beside(&self, links: &[LinkMotion]) -> Option<f64> {
         self.place(links).map(|place| place.across.norm())
     }
 
     /// The unstrained length of the beam (m).
-    pub(crate) fn beam_length(&self) -> f64 {
+    pub fn beam_length(&self) -> f64 {
         self.stations[self.elements()]
     }
 
