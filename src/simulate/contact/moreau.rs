@@ -234,6 +234,9 @@ fn bounced(
     free: &[Vector3<f64>],
     solve: impl Fn(&Problem) -> Swept,
 ) -> (Swept, bool) {
+    if rebounds.iter().all(|rebound| *rebound == 0.0) {
+        return (solve(problem), false);
+    }
     let still = problem.rates.clone();
     let mut with = |share: f64| {
         let rates = still.iter().zip(rebounds).map(|(rate, rebound)| rate + Vector3::x() * (share * rebound));
@@ -247,7 +250,7 @@ fn bounced(
         (found, gained > BALANCED * size)
     };
     let (whole, gains) = with(1.0);
-    if !gains || rebounds.iter().all(|rebound| *rebound == 0.0) {
+    if !gains {
         return (whole, false);
     }
     let (mut least, gains) = with(0.0);

@@ -56,8 +56,9 @@ const PROVED: f64 = 1e-6;
 /// Frequencies that differ by less than this part are one: its derivative is no single number.
 const REPEATED: f64 = 1e-6;
 
-/// Why there is no derivative at a switch.
+/// Why there is no derivative where differences do not settle.
 const ROUGH: &str = "the forces do not change smoothly with it";
+/// Why there is none at a switch.
 const KINK: &str = "the forces have a kink here: a spring, rope or motor is at a switch";
 
 /// Derivatives of outputs by numbers of the scene.
