@@ -117,7 +117,7 @@ fn swings_that_accumulate_are_told() {
                     panic!("case {case}: {what} by {method:?} does not end")
                 };
                 assert_eq!(motor, "motor[0]");
-                // A swing of a hundred tolerances is a hundredth of a second at most from the end.
+                // It is told in a swing of at most a hundred tolerances, 1e-4: from there the rest takes a part of the whole that goes with the root.
                 assert!((time - ends).abs() < 0.02 * ends, "case {case}: {what} by {method:?}: {time} s, {ends} s");
             }
         }

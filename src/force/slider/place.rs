@@ -160,10 +160,8 @@ impl Place {
 
     /// How fast that changes (m/s): (6) with rates.
     pub(super) fn speed(&self) -> f64 {
-        let [a, b] = &self.nodes;
-        let turned = self.mix(1, [a.anchor.velocity, a.turning, b.anchor.velocity, b.turning]);
-        let along = (self.point.velocity - self.carried(0)).dot(&self.slopes[0]) + self.across.dot(&turned);
-        along / self.bent() * a.tangent.norm()
+        let along = (self.point.velocity - self.carried(0)).dot(&self.slopes[0]) + self.across.dot(&self.carried(1));
+        along / self.bent() * self.nodes[0].tangent.norm()
     }
 
     pub(super) fn vary(&self, law: &SliderLaw, links: &[LinkMotion], by: &[LinkVariation]) -> PlaceVariation {

@@ -55,7 +55,8 @@ fn a_load_at_rest_bends_a_bridge_by_the_closed_form() {
         let beyond = if at < SPAN / 2.0 { SPAN - at } else { at };
         let (b, x) = (SPAN - beyond, SPAN / 2.0);
         let expected = -LOAD * b * x * (SPAN * SPAN - b * b - x * x) / (6.0 * BENDING * SPAN);
-        // The deck shortens by its slope squared, and the axis between nodes is a cubic.
+        // Under a load between the ends of an element of length h a beam gives way by up to P h³/(192 EI) too little, with four elements 1 in 256 of
+        // the most that its middle does; the middle is a node, where that is felt the less.
         assert!((middle - expected).abs() < 2e-3 * expected.abs(), "{at}: {middle} {expected}");
     }
 }
