@@ -246,6 +246,19 @@ impl Model {
         self.start_position.len()
     }
 
+    /// Positions with every hinge where its coordinates are zero, turns of three axes at none.
+    pub fn unmoved_position(&self) -> Vec<f64> {
+        let mut position = vec![0.0; self.position_count()];
+        for link in &self.links {
+            let (positions, velocities) = link.joint.counts();
+            // The real part of a quaternion, which stands last.
+            if positions > velocities {
+                position[link.position + positions - 4] = 1.0;
+            }
+        }
+        position
+    }
+
     /// Number of hinge velocities: the degrees of freedom of the tree.
     pub fn velocity_count(&self) -> usize {
         self.start_velocity.len()

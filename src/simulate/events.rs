@@ -225,7 +225,11 @@ impl Events {
             let old = before.iter().find(|watch| watch.function == function);
             let positive = match function {
                 Function::Depth(_) | Function::End(_) => last[0] > band,
-                Function::Push(side) => motion.system.phase().pushes(side) || last[0] > band,
+                // A blow elsewhere may let a stop push that has let go; one that is not touched waits for that.
+                Function::Push(side) => {
+                    let apart = model.stops[side.stop].depth(side.at, &state.position) <= motion.touching(side);
+                    motion.system.phase().pushes(side) || apart && last[0] > band
+                }
                 Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
                 Function::Reserve(_) | Function::Speed(_) => true,
                 Function::Breakaway(_) => false,

@@ -17,8 +17,9 @@ use crate::simulate::problem::Equations;
 const ROUNDS: usize = 12;
 /// The last of them, whose growth counts.
 const COUNTED: usize = 6;
-/// Size of the perturbation, in scales of the coordinates.
+/// Size of the perturbation, in scales of the coordinates; in parts of the speed of a slip that turns, if that is less.
 const PERTURBATION: f64 = 1e-7;
+const OF_A_SLIP: f64 = 1e-2;
 
 /// The fastest motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +43,10 @@ pub(super) fn fastest(motion: &mut Equations, time: f64, q: &[f64], v: &[f64]) -
     };
     let mut base = vec![0.0; n];
     motion.acceleration(time, q, v, &mut base).ok()?;
+    let mut slips = vec![f64::INFINITY; n];
+    motion.slips_that_turn(&mut slips);
+    let finest = slips.iter().zip(&scales).map(|(slip, scale)| OF_A_SLIP * slip / scale);
+    let perturbation = finest.fold(PERTURBATION, f64::min);
     // In scales of velocities: δq takes the scene's time to count as much. No direction is left out by a pattern.
     let mut shift: Vec<f64> = (0..n).map(|i| 1.0 + 0.5 * (1.7 * i as f64).sin()).collect();
     let mut speed: Vec<f64> = (0..n).map(|i| 1.0 - 0.5 * (2.3 * i as f64).cos()).collect();
@@ -53,14 +58,14 @@ pub(super) fn fastest(motion: &mut Equations, time: f64, q: &[f64], v: &[f64]) -
             return None;
         }
         for _ in 0..2 {
-            let scaled: Vec<f64> = (0..n).map(|i| PERTURBATION * period * scales[i] * shift[i]).collect();
+            let scaled: Vec<f64> = (0..n).map(|i| perturbation * period * scales[i] * shift[i]).collect();
             motion.displace(q, &scaled, &mut moved_q);
             for i in 0..n {
-                moved_v[i] = v[i] + PERTURBATION * scales[i] * speed[i];
+                moved_v[i] = v[i] + perturbation * scales[i] * speed[i];
             }
             motion.acceleration(time, &moved_q, &moved_v, &mut change).ok()?;
             for i in 0..n {
-                let acceleration = (change[i] - base[i]) / (PERTURBATION * scales[i]);
+                let acceleration = (change[i] - base[i]) / (perturbation * scales[i]);
                 shift[i] = speed[i] / period;
                 speed[i] = acceleration;
             }

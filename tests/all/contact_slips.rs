@@ -73,3 +73,55 @@ fn a_log_that_slides_askew_rolls_when_both_ends_have_come_to_rest() {
         }
     }
 }
+
+/// A ball on a tilted turntable slips out of rolling: its slip grows from nothing, and friction turns it within a time that is as short as the
+/// slip is slow. An implicit method follows that with the steps which the motion asks for, as long as its Newton matrix has that turn.
+#[test]
+fn a_slip_out_of_rolling_takes_implicit_methods_few_steps() {
+    let mut random = Random::new(0x7a81e);
+    let mut slipped = 0;
+    for case in 0..8 {
+        let [x, y, pressed] = [random.between(-3.0, 3.0), random.between(4.0, 6.0), random.between(6.0, 8.0)];
+        let [rate, friction, radius] = [random.between(-1.5, -0.5), random.between(0.4, 0.7), random.between(0.1, 0.3)];
+        let velocity = [random.between(-2.0, 3.0), random.between(0.0, 3.0)];
+        let text = format!(
+            "gravity = [{x}, {y}, {}]\n[[body]]\nname = \"table\"\nmass = 5\ninertia = [1, 1, 1]\nshape = {{ plane = [0, 0, 1] }}\n\
+             hinge = {{ type = \"revolute\", axis = [0, 0, 1], velocity = {rate} }}\n\
+             [[drive]]\nhinge = \"table\"\ntype = \"rate\"\nrate = {rate}\n\
+             [[body]]\nname = \"ball\"\nmass = 1.6\ninertia = [{1}, {1}, {1}]\nshape = {{ sphere = {radius} }}\n\
+             hinge = {{ type = \"free\", position = [-0.4, 0.2, {radius}, 1, 0, 0, 0], velocity = [{2}, {3}, 0, 0, 0, 0] }}\n\
+             [[contact]]\nbetween = [\"ball\", \"table\"]\nfriction = {friction}\n",
+            -pressed,
+            0.64 * radius * radius,
+            velocity[0],
+            velocity[1]
+        );
+        let model = read(&text);
+        let explicit = go(&model, 2.0, 1e-8, Method::Dop853);
+        let slips: Vec<f64> =
+            explicit.events.iter().filter(|event| event.kind.name() == "slips").map(|e| e.time).collect();
+        slipped += slips.len();
+        for method in [Method::Radau5, Method::Radau9] {
+            let implicit = go(&model, 2.0, 1e-8, method);
+            assert_eq!(kinds(&implicit), kinds(&explicit), "case {case}, {method:?}");
+            for (one, other) in implicit.events.iter().zip(&explicit.events) {
+                assert!(
+                    (one.time - other.time).abs() < 1e-5,
+                    "case {case}, {method:?}: {} and {} s",
+                    one.time,
+                    other.time
+                );
+            }
+            let steps = implicit.statistics.steps;
+            assert!(steps < 4000, "case {case}, {method:?}: {steps} steps");
+            let off = implicit
+                .state
+                .velocity
+                .iter()
+                .zip(&explicit.state.velocity)
+                .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            assert!(off < 1e-5, "case {case}, {method:?}: {off} m/s apart");
+        }
+    }
+    assert!(slipped > 3, "{slipped} of 8 balls slipped out of rolling");
+}

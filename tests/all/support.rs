@@ -277,3 +277,35 @@ fn the_least_arch_falls_by_five_hinges() {
     let off = haunch.map(|deg| (deg - 54.484).abs()).fold(f64::INFINITY, f64::min);
     assert!(off < 180.0 / count as f64, "{hinges:?}");
 }
+
+/// Coordinates that feel no support have loads, as the strains of a beam beside a loop have: what no forces balance falls, with that motion,
+/// however badly the program ends on what has no answer.
+#[test]
+fn loads_that_no_support_feels_fall_beside_free_rows_and_contacts() {
+    let mut random = crate::common::Random::new(0xfa115);
+    for case in 0..200 {
+        let (rows, felt) = (12 + case % 25, 2 + case % 7);
+        let mut supports = Supports::new(vec![1.0; rows]);
+        let mut load = vec![0.0; rows];
+        // Rows feel supports by very different arms, and what they bear is theirs exactly: the rest is left over.
+        let mut arm =
+            || 10f64.powf(random.between(-3.0, 3.0)) * if random.between(-1.0, 1.0) > 0.0 { 1.0 } else { -1.0 };
+        for of in 0..felt {
+            let column: Vec<(usize, f64)> =
+                (0..felt).map(|row| (row, if row == of { 1.0 } else { 0.1 * arm() })).collect();
+            supports.add(Cone::Free, 1.0, [column]);
+        }
+        load[..felt].iter_mut().for_each(|load| *load = arm());
+        let contact = [0, 1, 2].map(|k| vec![(k, 1.0)]);
+        if case % 2 == 0 && felt > 2 {
+            supports.add(Cone::Coulomb { friction: 0.3 }, 1.0, contact);
+        }
+        let without = supports.clone().standing(&load);
+        assert!(without.is_ok_and(|standing| standing.verdict == Verdict::Stands), "case {case}");
+        load[felt..].iter_mut().for_each(|load| *load = arm());
+        let standing = supports.standing(&load).unwrap_or_else(|undecided| panic!("case {case}: {undecided}"));
+        assert_eq!(standing.verdict, Verdict::Falls, "case {case}");
+        let moved = standing.motion[..felt].iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
+        assert!(moved < 1e-6, "case {case}: {:?}", standing.motion);
+    }
+}

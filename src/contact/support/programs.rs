@@ -221,7 +221,16 @@ impl Scaled<'_> {
         let answer = if columns == 0 { None } else { self.program(&Extra::Growth).solve() };
         let mut forces = answer.as_ref().map_or_else(|| vec![0.0; columns], |answer| answer.x[..columns].to_vec());
         self.polish(&mut forces);
-        let unbalanced = self.unbalanced(&forces);
+        let mut unbalanced = self.unbalanced(&forces);
+        if !(unbalanced <= BALANCED) {
+            // Of what nothing balances an interior point says forces without end, whose rounding hides what they lack.
+            let mut nearest = vec![0.0; columns];
+            self.polish(&mut nearest);
+            let left = self.unbalanced(&nearest);
+            if !(unbalanced <= left) {
+                (forces, unbalanced) = (nearest, left);
+            }
+        }
         let undecided = |gap: f64| Undecided::Inexact { rows, supports: self.cones.len(), unbalanced, gap };
         if unbalanced > BALANCED {
             // Loads that no forces balance, whatever their cones: what is left in least squares is a motion that no support feels.

@@ -104,6 +104,17 @@ impl Contacts {
         matches!(was.state, ContactState::Slip(held) if rest > 0.0 && slip.dot(&held) <= rest * (1.0 + LOCATED))
     }
 
+    /// For each velocity coordinate the smallest velocity by which a slip that turns becomes as fast as it is in the last place.
+    pub(in crate::simulate) fn slips_that_turn(&self, least: &mut [f64]) {
+        let turns = |closed: &Closed| matches!(closed.state, ContactState::Slip(_)) && !closed.straight;
+        for (closed, frame) in self.closed.iter().zip(&self.frames).filter(|(closed, _)| turns(closed)) {
+            let speed = closed.slip.norm().max(self.still);
+            for (i, column) in frame.columns[1..].iter().flatten() {
+                least[*i] = least[*i].min(speed / column.abs());
+            }
+        }
+    }
+
     /// At the end of a step: what slips goes on in the direction that it has then.
     pub(in crate::simulate) fn turn_along(&mut self, step: f64) {
         self.accepted += 1;

@@ -9,12 +9,16 @@
 //! (2)  N e_j ≈ c₂ e_j − [a_c(q ⊞ ε e_j, v + c₁ ε e_j) − a_c(q, v)] / ε
 //! ```
 //!
-//! Its error, a part in 10⁷, only costs that part of the convergence of Newton's method: what is solved is `r = 0`.
+//! Its error, a part in 10⁷, only costs that part of the convergence of Newton's method: what is solved is `r = 0`. The friction of a slip that
+//! turns, `−μ f_n u/|u|`, changes within `|u|`: a displacement that is larger does not see how.
 
 use crate::dynamics::Dense;
 
 /// Size of the differences, in scales of coordinates.
 const DIFFERENCE: f64 = 1e-7;
+
+/// What a displacement adds to the speed of a slip that turns, in parts of it.
+const OF_A_SLIP: f64 = 1e-2;
 
 /// A factorized matrix (1), and room to make it.
 pub(in crate::simulate) struct Differenced {
@@ -25,6 +29,8 @@ pub(in crate::simulate) struct Differenced {
     position: Vec<f64>,
     velocity: Vec<f64>,
     by: Vec<f64>,
+    /// Velocities by which slips that turn become as fast as they are.
+    slips: Vec<f64>,
 }
 
 /// One displacement of (2).
@@ -42,11 +48,18 @@ impl Differenced {
     pub(in crate::simulate) fn new(positions: usize, velocities: usize) -> Self {
         let room = || vec![0.0; velocities];
         let (matrix, position) = (Dense::new(velocities), vec![0.0; positions]);
-        Self { matrix, base: room(), moved: room(), position, velocity: room(), by: room() }
+        Self { matrix, base: room(), moved: room(), position, velocity: room(), by: room(), slips: room() }
     }
 
-    /// Factorizes (1) about a velocity `v` whose coordinates have `scales`, those of positions divided by the scene's `time` (s).
-    /// `accelerations` has `a_c` of a displacement. `Ok(false)` where the matrix is singular.
+    /// Where `a_c` of the point goes, and for each velocity coordinate how much of it makes a slip that turns as fast as it is there (endless
+    /// without one): before [`Differenced::factorize`].
+    pub(in crate::simulate) fn begin(&mut self) -> (&mut [f64], &mut [f64]) {
+        self.slips.fill(f64::INFINITY);
+        (&mut self.base, &mut self.slips)
+    }
+
+    /// Factorizes (1) about the point of [`Differenced::begin`] and its velocity `v`, whose coordinates have `scales`, those of positions divided
+    /// by the scene's `time` (s). `accelerations` has `a_c` of a displacement. `Ok(false)` where the matrix is singular.
     ///
     /// # Errors
     /// Those of `accelerations`.
@@ -57,13 +70,13 @@ impl Differenced {
         (scales, time): (&[f64], f64),
         mut accelerations: impl FnMut(Displaced<'_>) -> Result<(), E>,
     ) -> Result<bool, E> {
-        let Self { matrix, base, moved, position, velocity, by } = self;
+        let Self { matrix, base, moved, position, velocity, by, slips } = self;
         by.fill(0.0);
-        accelerations(Displaced { by, position, velocity: v, a: base })?;
         velocity.copy_from_slice(v);
         for j in 0..v.len() {
             // The velocity moves with the position as within a stage, but never by more than its size.
-            let size = DIFFERENCE * (scales[j] * time).min(scales[j].max(v[j].abs()) / c1.max(f64::MIN_POSITIVE));
+            let fastest = (DIFFERENCE * scales[j].max(v[j].abs())).min(OF_A_SLIP * slips[j]);
+            let size = (DIFFERENCE * scales[j] * time).min(fastest / c1.max(f64::MIN_POSITIVE));
             by[j] = size;
             velocity[j] = v[j] + c1 * size;
             accelerations(Displaced { by, position, velocity, a: moved })?;

@@ -13,16 +13,27 @@ fn singular() -> Failure {
 }
 
 impl Equations {
+    /// For each velocity coordinate the smallest velocity by which a slip that turns becomes as fast as it is where accelerations were computed
+    /// last; left as it is without one.
+    pub(in crate::simulate) fn slips_that_turn(&self, least: &mut [f64]) {
+        self.contacts.iter().for_each(|contacts| contacts.slips_that_turn(least));
+    }
+
     /// The Newton matrix beside contacts that move.
     fn factorize_differenced(&mut self, Point { time, q, v, .. }: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Tangent::Differenced(mut factors) = std::mem::replace(&mut self.tangent, Tangent::None) else {
             return Err(singular());
         };
         let span = self.model().time_scale();
+        let (base, slips) = factors.begin();
+        let stood = self.accelerations(time, q, v, base);
+        self.slips_that_turn(slips);
         let scales = std::mem::take(&mut self.velocity_scales);
-        let regular = factors.factorize(v, [c1, c2], (&scales, span), |at: Displaced<'_>| {
-            ImplicitProblem::displace(self, q, at.by, at.position);
-            self.accelerations(time, at.position, at.velocity, at.a)
+        let regular = stood.and_then(|()| {
+            factors.factorize(v, [c1, c2], (&scales, span), |at: Displaced<'_>| {
+                ImplicitProblem::displace(self, q, at.by, at.position);
+                self.accelerations(time, at.position, at.velocity, at.a)
+            })
         });
         (self.velocity_scales, self.tangent) = (scales, Tangent::Differenced(factors));
         if regular? { Ok(()) } else { Err(singular()) }

@@ -49,7 +49,28 @@ impl fmt::Display for Mechanism {
         let sliding: HashSet<&[String]> = self.slides.iter().map(|one| &one.names[..]).collect();
         let opens = said(&self.opens, "lifts off", "leaves its stop", &sliding);
         let all: Vec<String> = slides.into_iter().chain(opens).collect();
-        if all.is_empty() { f.write_str("nothing moves") } else { f.write_str(&all.join(", ")) }
+        if all.is_empty() { self.write_unfelt(f) } else { f.write_str(&all.join(", ")) }
+    }
+}
+
+impl Mechanism {
+    /// What moves in a motion that no support feels, at most three, fastest first; the parts of a beam are one.
+    fn write_unfelt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut moving: Vec<(&str, f64)> = Vec::new();
+        for (name, velocity, turning) in &self.bodies {
+            let (name, rate) = (name.split('/').next().unwrap_or(name), velocity.amax().max(turning.amax()));
+            match moving.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, known)) => *known = rate.max(*known),
+                None => moving.push((name, rate)),
+            }
+        }
+        moving.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let names: Vec<String> = moving.iter().take(3).map(|(name, _)| format!("`{name}`")).collect();
+        match names.len() {
+            0 => f.write_str("no body moves"),
+            1 => write!(f, "{} moves, which no support feels", names[0]),
+            _ => write!(f, "{} move, which no support feels", names.join(", ")),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The balance of forces that an interior point method has found to its own accuracy, taken to rounding.
 
 use super::{BALANCED, Scaled};
+use crate::round_off::SINGULAR_VALUE;
 use crate::sparse::{Gram, SparseRows};
 
 /// What is added to the diagonal of `G Gᵀ`, in parts of its largest entry: rows that depend on others leave it singular to rounding. Each
@@ -45,6 +46,7 @@ impl Scaled<'_> {
         let mut gradient = self.rates(&rest);
         let mut direction = gradient.clone();
         let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let size = self.columns.iter().flatten().fold(0.0, |sum: f64, (_, entry)| sum.hypot(*entry));
         let mut steep = square(&gradient);
         for _ in 0..2 * self.load.len() {
             let mut along = vec![0.0; self.load.len()];
@@ -53,7 +55,8 @@ impl Scaled<'_> {
             }
             let curve = square(&along);
             // The gradient vanishes where no forces do better: of loads that no support feels nothing else is left.
-            if !(curve > 0.0 && steep > 0.0) || square(&rest) < 1e-32 * self.load.len() as f64 {
+            let vanished = SINGULAR_VALUE.hides(steep.sqrt(), size * square(&rest).sqrt());
+            if !(curve > 0.0) || vanished || square(&rest) < 1e-32 * self.load.len() as f64 {
                 break;
             }
             let step = steep / curve;
