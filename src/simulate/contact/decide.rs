@@ -192,7 +192,8 @@ impl Contacts {
                 Some(was) if any_ends && self.rest_of(was) > 0.0 => self.moves(frame, slip::ENDS * self.still),
                 _ => self.moves(frame, self.slow),
             };
-            let moved = was.is_some_and(|was| was.moved) && slip.norm() > self.still;
+            // What has come to rest and slips again begins anew.
+            let moved = was.is_some_and(|was| was.moved) && slip.norm() > self.still && state != ContactState::Stick;
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();

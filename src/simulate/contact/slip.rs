@@ -13,6 +13,13 @@ pub(super) const ENDS: f64 = 4.0;
 /// An event is located to less than this part of the speed that it watches for.
 const LOCATED: f64 = 1e-6;
 
+impl Closed {
+    /// Whether it slips, and not straight on.
+    fn turns(&self) -> bool {
+        matches!(self.state, ContactState::Slip(_)) && !self.straight
+    }
+}
+
 impl Contacts {
     /// The direction in which a contact slips.
     pub(super) fn direction(&self, closed: &Closed) -> Vector3<f64> {
@@ -23,7 +30,9 @@ impl Contacts {
         if held == Vector3::zeros() || closed.straight || slip.dot(&flat) <= 0.0 {
             return flat;
         }
-        if speed >= self.still { slip / speed } else { flat }
+        // What is told from rest has its own; what is slower has part of it, so that friction does not jump there.
+        let part = speed / self.still;
+        if part >= 1.0 { slip / speed } else { (flat * (1.0 - part) + slip / self.still).normalize() }
     }
 
     /// Slips begin in the directions that have been found: straight on where all of a couple have one, nearly.
@@ -106,8 +115,7 @@ impl Contacts {
 
     /// For each velocity coordinate the smallest velocity by which a slip that turns becomes as fast as it is in the last place.
     pub(in crate::simulate) fn slips_that_turn(&self, least: &mut [f64]) {
-        let turns = |closed: &Closed| matches!(closed.state, ContactState::Slip(_)) && !closed.straight;
-        for (closed, frame) in self.closed.iter().zip(&self.frames).filter(|(closed, _)| turns(closed)) {
+        for (closed, frame) in self.closed.iter().zip(&self.frames).filter(|(closed, _)| closed.turns()) {
             let speed = closed.slip.norm().max(self.still);
             for (i, column) in frame.columns[1..].iter().flatten() {
                 least[*i] = least[*i].min(speed / column.abs());
