@@ -102,6 +102,9 @@ pub(crate) fn plan(
     if varied.is_empty() != cases.is_none() {
         return Err(wrong("`vary` and `cases` belong together".to_owned()));
     }
+    if cases == Some(0) {
+        return Err(wrong("`cases` is 0, allowed: 1 or more".to_owned()));
+    }
     let sampling = match sample {
         None => Sampling::default(),
         Some(name) => Sampling::ALL.into_iter().find(|one| one.name() == name).ok_or_else(|| {
@@ -110,7 +113,7 @@ pub(crate) fn plan(
             wrong(format!("no way to sample is called `{name}`{near}"))
         })?,
     };
-    let draw = Draw { sampling, samples: cases.unwrap_or(1).max(1), seed };
+    let draw = Draw { sampling, samples: cases.unwrap_or(1), seed };
     Plan::new(axes, varied, draw, None).map_err(wrong)
 }
 

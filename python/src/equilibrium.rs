@@ -91,8 +91,10 @@ impl Equilibrium {
     /// Why it is none.
     pub(crate) fn why(&self) -> String {
         let found = &self.held.answer.found;
-        let mut text =
-            format!("no equilibrium was found: the residual is {:.3e} of the forces", found.relative_residual);
+        let mut text = match found.balanced {
+            true => "the forces balance, but not all that was asked for was found".to_owned(),
+            false => format!("no equilibrium was found: the residual is {:.3e} of the forces", found.relative_residual),
+        };
         found.notes.iter().for_each(|note| text.push_str(&format!("\n{note}")));
         text
     }

@@ -201,10 +201,10 @@ impl Scene {
         self.model.bodies.iter().map(|body| body.name.as_str()).collect()
     }
 
-    /// Number of velocity coordinates.
+    /// Degrees of freedom that loops, gears and drives leave. There are `len(scene.velocities)` hinge velocities.
     #[getter]
     fn degrees_of_freedom(&self) -> usize {
-        self.model.velocity_count()
+        self.model.degrees_of_freedom()
     }
 
     /// Names of the position coordinates, in the order of `q`.
@@ -469,7 +469,7 @@ impl Scene {
     }
 
     fn __repr__(&self) -> String {
-        let (bodies, freedoms) = (self.model.bodies.len(), self.model.velocity_count());
+        let (bodies, freedoms) = (self.model.bodies.len(), self.model.degrees_of_freedom());
         let [bodies, freedoms] = [(bodies, "body", "bodies"), (freedoms, "degree of freedom", "degrees of freedom")]
             .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
         format!("<Scene `{}`: {bodies}, {freedoms}>", self.model.title)

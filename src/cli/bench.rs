@@ -2,6 +2,7 @@
 
 mod beside;
 
+use super::inputs::Inputs;
 use super::stopwatch::{Cost, time};
 use super::{Common, Exit, Memory, output, scene, text};
 use crate::dynamics::ensemble::WIDTH;
@@ -15,6 +16,7 @@ use anyhow::Context;
 use beside::Beside;
 use clap::Args;
 use serde_json::json;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Above so many coordinates the dense Jacobians are left out: three of them would not fit into the caches, let alone
@@ -34,6 +36,9 @@ pub(super) struct Arguments {
     /// How often `--only` calls it
     #[arg(long, requires = "only")]
     calls: Option<usize>,
+    /// Write the answer there as JSON
+    #[arg(long, short = 'o', value_name = "PATH", conflicts_with = "only")]
+    out: Option<PathBuf>,
 }
 
 /// What is measured.
@@ -159,6 +164,8 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    let inputs = Inputs::of_scenario(common, &scenario, None);
+    arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
     if let (Some(routine), Some(calls)) = (arguments.only, arguments.calls) {
         let mut routines = Routines::new(&model)?;
         if !routines.prepare(routine) {
@@ -173,7 +180,7 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
         return Ok(Exit::Done);
     }
     let costs = measure(&scenario, &model, memory).with_context(|| format!("{}: cannot measure", scenario.name))?;
-    if common.json {
+    if common.json || arguments.out.is_some() {
         let cost = |cost: Option<Cost>| cost.map_or(serde_json::Value::Null, Cost::json);
         let result = json!({
             "acceleration_ns": costs.acceleration.json(),
@@ -182,6 +189,8 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
             "static_step_ns": cost(costs.static_step),
             "lanes": costs.lane_acceleration.zip(costs.lane_step).map(|(acceleration, step)| json!({
                 "width": WIDTH, "acceleration_ns": acceleration.json(), "rk4_step_ns": step.json(),
+                // Statics goes one by one, in sweeps as well.
+                "static_step_ns": cost(costs.static_step),
             })),
             "statics_ms": costs.statics.min * 1e-6,
             "bodies": model.bodies.len(),
@@ -189,7 +198,12 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
             "bytes_per_body": costs.allocated.as_ref().map(|allocated| allocated.bytes_per_body),
             "allocations_per_step": costs.allocated.as_ref().map(|allocated| allocated.per_step),
         });
-        output::print(&result.to_string())?;
+        arguments.out.iter().try_for_each(|path| output::save(path, format!("{result:#}\n").as_bytes()))?;
+        if common.json {
+            output::print(&result.to_string())?;
+        }
+    }
+    if common.json || common.quiet {
         return Ok(Exit::Done);
     }
     output::print(&text::heading(&model, &scenario.name))?;

@@ -1,5 +1,6 @@
 //! `inspect`: what the model is, and its accelerations at the given state.
 
+use super::inputs::Inputs;
 use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
 use crate::dynamics::{Evaluated, System};
@@ -22,6 +23,9 @@ pub(super) struct Arguments {
     /// Look at the pose, velocities and inputs of this file, as `statics --save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
+    /// Write the answer there as JSON
+    #[arg(long, short = 'o', value_name = "PATH")]
+    out: Option<PathBuf>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
@@ -30,6 +34,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
+    arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
     let (q, v) = (&model.start_position, &model.start_velocity);
     let begin = scenario.simulate.begin();
     let asked = simulate::outputs::at_start(&model, begin).with_context(|| scenario.name.clone())?;
@@ -50,16 +56,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let light = conditioning::ill_conditioned(&model);
     let left_out = left_out(&model);
     if !common.quiet {
-        conditioning::warn(&scenario.name, &light);
-        if !left_out.is_empty() {
-            let what = left_out.join(" and ");
-            output::warning(&format!(
-                "{}: accelerations and outputs are those without {what}; the first sample of `run` has them with it",
-                scenario.name
-            ));
-        }
+        warn(&scenario.name, &light, &left_out);
     }
-    if common.json {
+    if common.json || arguments.out.is_some() {
         // What a model calls its joints; hinges go by the names of bodies.
         let all = scenario.models.iter().flat_map(|taken| &taken.joints);
         let joints: serde_json::Map<_, _> = all.map(|(joint, body)| (joint.clone(), json!(body))).collect();
@@ -84,7 +83,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "left_out": left_out,
             "outputs": json::outputs(&model, &asked),
         });
-        output::print(&result.to_string())?;
+        arguments.out.iter().try_for_each(|path| output::save(path, format!("{result:#}\n").as_bytes()))?;
+        if common.json {
+            output::print(&result.to_string())?;
+        }
+    }
+    if common.json || common.quiet {
         return Ok(Exit::Done);
     }
     output::print(&text::heading(&model, &scenario.name))?;
@@ -103,6 +107,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     output::print(&table(&model, &accelerations))?;
     text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
     Ok(Exit::Done)
+}
+
+fn warn(scene: &str, light: &[conditioning::Light], left_out: &[&str]) {
+    conditioning::warn(scene, light);
+    if !left_out.is_empty() {
+        let what = left_out.join(" and ");
+        output::warning(&format!(
+            "{scene}: accelerations and outputs are those without {what}; the first sample of `run` has them with it"
+        ));
+    }
 }
 
 fn center_of_mass(model: &Model, at: &Evaluated<'_>) -> Vector3<f64> {

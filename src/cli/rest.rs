@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
-use super::{Common, Exit, json, output, recording, scene, statics, text};
+use super::{Common, Exit, output, recording, scene, statics, statics_answer, text};
 use crate::model::Model;
 use crate::record::{Fanout, Opening, Outcome, Recorder};
 use crate::simulate::rest::{Disturbance, Largest, Rest, TOLERANCE, rest};
@@ -43,7 +43,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
     let file = arguments.out.as_deref().map(|out| recording::recording_file(out, common.quiet)).transpose()?;
     let (found, wall) = statics::find(&mut scenario, &mut model)?;
-    let statics = json::statics(&model, &found, wall.as_secs_f64());
+    let statics = statics_answer(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
         output::announce(&text::heading(&model, &scenario.name));
         output::announce(&text::equilibrium(&model, &found, wall, arguments.verbose));

@@ -2,13 +2,13 @@
 
 use super::output::Interrupt;
 use super::{Common, Exit, output, text};
-use crate::constraint::{self, Assembly, Constraints};
+use crate::constraint::{self, Assembly};
 use crate::dynamics::System;
 use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
 use crate::simulate::at_stage;
-use crate::statics::{answer, residual};
+use crate::statics::{Balance, answer, balance};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use std::path::Path;
@@ -198,7 +198,8 @@ const SAME: f64 = 1e-6;
 fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let of_file = || path.display().to_string();
-    if let Some(residual) = residual(model, q, v).with_context(of_file)? {
+    let Some(Balance { residual, pushes: here }) = balance(model, q, v).with_context(of_file)? else { return Ok(()) };
+    if let Some(residual) = residual {
         let share = text::small(residual.relative);
         output::warning(&format!(
             "{}: the start does not hold itself: {} in {} is not balanced ({share} of the forces there)",
@@ -207,10 +208,6 @@ fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>
             residual.hinge
         ));
     }
-    let mut system = System::new(model);
-    let mut a = vec![0.0; v.len()];
-    system.at(0.0, q, v).accelerations(&mut a).with_context(of_file)?;
-    let here = system.constraints().map_or(Vec::new(), Constraints::by_element);
     let largest = here.iter().flat_map(|(_, list)| list).fold(0.0_f64, |m, x| m.max(x.abs()));
     for (name, list) in multipliers {
         let Some((_, now)) = here.iter().find(|(other, _)| other == name) else { continue };

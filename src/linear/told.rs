@@ -142,11 +142,10 @@ pub(super) fn tell(
     let are_shared = basis.dependent.len() < rows.nrows() + place.held.len();
     let mut told = Vec::new();
     let mut left_out = Vec::new();
-    for output in &model.outputs {
-        let named = asked.map(|names| names.contains(&output.name));
-        if named == Some(false) {
-            continue;
-        }
+    let named = |name: &String| model.outputs.iter().find(|output| output.name == *name);
+    let chosen: Vec<&Output> =
+        asked.map_or_else(|| model.outputs.iter().collect(), |names| names.iter().filter_map(named).collect());
+    for output in chosen {
         let why = match inputs.iter().find(|input| input.is_told_by(model, output)) {
             Some(input) => Why::Input(input.name().to_owned()),
             None if output.range().all(|row| known[row]) => {

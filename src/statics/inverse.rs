@@ -277,8 +277,14 @@ impl<'a> Problem<'a> {
             (0..self.unknown.len()).filter(none).map(|j| format!("`{}`", self.unknown[j].address)).collect();
         match names.len() {
             0 => Vec::new(),
-            1 => vec![format!("the unknown {} cannot influence the pose: no free hinge feels it", names[0])],
-            _ => vec![format!("the unknowns {} cannot influence the pose: no free hinge feels them", names.join(", "))],
+            1 => vec![format!(
+                "the unknown {} cannot influence the pose: no free hinge feels it, so that any value would do",
+                names[0]
+            )],
+            _ => vec![format!(
+                "the unknowns {} cannot influence the pose: no free hinge feels them, so that any values would do",
+                names.join(", ")
+            )],
         }
     }
 

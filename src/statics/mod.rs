@@ -38,6 +38,6 @@ pub use certify::stability::{Stability, StabilityVerdict, most_modes};
 pub use effort::{Iteration, Stage};
 pub use inverse::{InverseAnswer, hold};
 pub use outputs::{beams, diagrams, outputs};
-pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
+pub use search::{Balance, Observers, Residual, balance, equilibrium, equilibrium_observed};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, idle_stops, influences, sensitivities};
 pub use settings::{Aim, Method, Settings, Sought, Want};

@@ -33,6 +33,7 @@ use super::problem::Landscape;
 use super::problem::place::Place;
 use super::settings::{Method, Settings};
 use super::watch::Watch;
+use crate::constraint::Constraints;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -180,11 +181,20 @@ pub struct Residual {
     pub hinge: String,
 }
 
-/// The residual of a state that does not hold itself. `None` if it does, and for a state that moves otherwise than its drives.
+/// What a state at rest is held by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Balance {
+    /// If it does not hold itself.
+    pub residual: Option<Residual>,
+    /// What loops, drives and gears push with, row by row (N or N m), beside stops and locks that hold.
+    pub pushes: Vec<(String, Vec<f64>)>,
+}
+
+/// How a state is balanced; `None` for one that moves otherwise than its drives.
 ///
 /// # Errors
 /// If the system cannot be evaluated there.
-pub fn residual(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<Option<Residual>, Fault> {
+pub fn balance(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<Option<Balance>, Fault> {
     let (model, position) = &bearing::bearing(model, position);
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, position)?;
@@ -194,9 +204,11 @@ pub fn residual(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Resul
     }
     let place = Place::at(&mut landscape, position.clone())?;
     let (relative, worst) = place.residual();
-    Ok(worst.filter(|_| !place.is_balanced()).map(|worst| Residual {
+    let residual = worst.filter(|_| !place.is_balanced()).map(|worst| Residual {
         relative,
         force: place.force[worst],
         hinge: model.label(landscape.free[worst]),
-    }))
+    });
+    let pushes = landscape.system().constraints().map_or(Vec::new(), Constraints::by_element);
+    Ok(Some(Balance { residual, pushes }))
 }
