@@ -134,6 +134,8 @@ fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, ReadError> {
             "; it looks like UTF-16, save it as UTF-8"
         } else if bytes.starts_with(b"\x89MCAP0") {
             "; it is a recording, for `info`, `view`, `plot`, `export`"
+        } else if bytes[byte] == 0 {
+            ", which stands in no text"
         } else {
             ""
         },

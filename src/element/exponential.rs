@@ -4,9 +4,10 @@
 //! (1) c_k(x) = Σ (−x)ʲ/(2j + k)!,   c_k' = ½ (k c_{k+2} − c_{k+1}),   c_k = 1/k! − x c_{k+2}       Stumpff
 //! (2) exp(v, w) = (R, p),   R = 1 + c₁ ŵ + c₂ ŵ²,   p = (1 + c₂ ŵ + c₃ ŵ²) v,   x = w·w
 //! (3) A(w) = 1 − c₂ ŵ + c₃ ŵ²,   B(v, w) = [A, dA(w; v); 0, A] = Σ (−ad)ⁿ/(n+1)!
+//! (4) A = 1 + ŝ + S,   s = −c₂ w,   S = c₃ (w wᵀ − x),   x' = 2 w·w'
 //! ```
 //!
-//! SE(3) is SO(3) over dual numbers, so `B` is `A(w + εv)`.
+//! SE(3) is SO(3) over dual numbers, so `B` is `A(w + εv)`. Derivatives of `A` are those of both parts of (4).
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -15,9 +16,23 @@ type Stumpff = [f64; 10];
 
 /// Beyond this the series needs too many terms and the closed forms are safe (rad²).
 const FAR: f64 = 9.0;
-/// Terms of the series: `9¹³/(26 + 8)!` is below 10⁻²⁵.
+/// Terms of the series at most: `9¹³/(26 + 8)!` is below 10⁻²⁵.
 const TERMS: usize = 13;
-const FACTORIAL: [f64; 10] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0, 40320.0, 362_880.0];
+/// Up to these x so many terms are enough: the first that is left out is less than 2·10⁻¹⁷ of the first.
+const FEWER: [(f64, usize); 2] = [(0.01, 4), (0.25, 6)];
+/// `1/k!`.
+const INVERSE: [f64; 10] =
+    [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40320.0, 1.0 / 362_880.0];
+/// `1/((2j + k − 1)(2j + k))` of `k` = 8 and 9.
+const RATIOS: [[f64; 2]; TERMS] = {
+    let mut ratios = [[0.0; 2]; TERMS];
+    let mut j = 1;
+    while j < TERMS {
+        ratios[j] = [1.0 / ((2 * j + 7) * (2 * j + 8)) as f64, 1.0 / ((2 * j + 8) * (2 * j + 9)) as f64];
+        j += 1;
+    }
+    ratios
+};
 
 /// Eq. (1).
 fn stumpff(x: f64) -> Stumpff {
@@ -26,19 +41,18 @@ fn stumpff(x: f64) -> Stumpff {
         let root = x.sqrt();
         (c[0], c[1]) = (root.cos(), root.sin() / root);
         for k in 2..10 {
-            c[k] = (1.0 / FACTORIAL[k - 2] - c[k - 2]) / x;
+            c[k] = (INVERSE[k - 2] - c[k - 2]) / x;
         }
         return c;
     }
-    for k in [8, 9] {
-        let mut sum = 1.0;
-        for j in (1..TERMS).rev() {
-            sum = 1.0 - x / ((2 * j + k - 1) * (2 * j + k)) as f64 * sum;
-        }
-        c[k] = sum / FACTORIAL[k];
+    let terms = FEWER.iter().find(|(end, _)| x <= *end).map_or(TERMS, |(_, terms)| *terms);
+    let mut sums = [1.0; 2];
+    for ratios in RATIOS[1..terms].iter().rev() {
+        sums = [0, 1].map(|k| 1.0 - x * ratios[k] * sums[k]);
     }
+    (c[8], c[9]) = (sums[0] * INVERSE[8], sums[1] * INVERSE[9]);
     for k in (0..8).rev() {
-        c[k] = 1.0 / FACTORIAL[k] - x * c[k + 2];
+        c[k] = INVERSE[k] - x * c[k + 2];
     }
     c
 }
@@ -67,6 +81,20 @@ pub(crate) fn joined(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f
 pub(crate) fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> Vector6<f64> {
     let ((v, w), (a, b)) = (halves(x), halves(y));
     joined(&(w.cross(&a) + v.cross(&b)), &w.cross(&b))
+}
+
+/// `[x, e]` of a twist and the unit twist of an index.
+#[inline]
+pub(crate) fn bracket_unit(x: &Vector6<f64>, index: usize) -> Vector6<f64> {
+    let (v, w) = halves(x);
+    match index {
+        0 => Vector6::new(0.0, w.z, -w.y, 0.0, 0.0, 0.0),
+        1 => Vector6::new(-w.z, 0.0, w.x, 0.0, 0.0, 0.0),
+        2 => Vector6::new(w.y, -w.x, 0.0, 0.0, 0.0, 0.0),
+        3 => Vector6::new(0.0, v.z, -v.y, 0.0, w.z, -w.y),
+        4 => Vector6::new(-v.z, 0.0, v.x, -w.z, 0.0, w.x),
+        _ => Vector6::new(v.y, -v.x, 0.0, w.y, -w.x, 0.0),
+    }
 }
 
 /// Eq. (2).
@@ -145,19 +173,82 @@ pub(crate) fn tangents(twist: &Vector6<f64>, rate: &Vector6<f64>, second: &Vecto
     b
 }
 
+/// A skew and a symmetric part of a matrix: `ŝ + S`.
+#[derive(Clone, Copy)]
+struct Parts {
+    skew: Vector3<f64>,
+    symmetric: Matrix3<f64>,
+}
+
+impl Parts {
+    fn sum(&self) -> Matrix3<f64> {
+        self.skew.cross_matrix() + self.symmetric
+    }
+}
+
+/// `a bᵀ + b aᵀ − 2 (a·b)`.
+fn both(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    let one = a * b.transpose();
+    one + one.transpose() - Matrix3::from_diagonal_element(2.0 * a.dot(b))
+}
+
+/// `A(w)` of eq. (4) and its differentials along directions.
+struct Differentials {
+    w: Vector3<f64>,
+    /// `c₂` and `c₃` with two derivatives by x.
+    c2: [f64; 3],
+    c3: [f64; 3],
+    /// `w wᵀ − x`.
+    square: Matrix3<f64>,
+}
+
+impl Differentials {
+    fn at(w: Vector3<f64>) -> Self {
+        let [[c2, d2, e2, _], [c3, d3, e3, _]] = derivatives(&stumpff(w.norm_squared()));
+        Self { w, c2: [c2, d2, e2], c3: [c3, d3, e3], square: 0.5 * both(&w, &w) }
+    }
+
+    fn value(&self) -> Matrix3<f64> {
+        Matrix3::identity() + Parts { skew: -self.c2[0] * self.w, symmetric: self.c3[0] * self.square }.sum()
+    }
+
+    fn first(&self, along: &Vector3<f64>) -> Matrix3<f64> {
+        let x = 2.0 * self.w.dot(along);
+        let skew = -(self.c2[1] * x * self.w + self.c2[0] * along);
+        let symmetric = self.c3[1] * x * self.square + self.c3[0] * both(&self.w, along);
+        Parts { skew, symmetric }.sum()
+    }
+
+    fn second(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+        let (w, [_, d2, e2], [c3, d3, e3]) = (&self.w, self.c2, self.c3);
+        let [x, y, xy] = [2.0 * w.dot(a), 2.0 * w.dot(b), 2.0 * a.dot(b)];
+        let skew = -((d2 * xy + e2 * x * y) * w + d2 * (x * b + y * a));
+        let mixed = d3 * (x * both(w, b) + y * both(w, a)) + c3 * both(a, b);
+        Parts { skew, symmetric: (d3 * xy + e3 * x * y) * self.square + mixed }.sum()
+    }
+}
+
+/// `[a, b; 0, a]`.
+fn dual(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix6<f64> {
+    let mut whole = Matrix6::zeros();
+    whole.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
+    whole.fixed_view_mut::<3, 3>(3, 3).copy_from(a);
+    whole.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
+    whole
+}
+
+/// `B` and `Ḃ` of eq. (3) along a twist with its rate.
+pub(crate) fn tangent_and_rate(twist: &Vector6<f64>, rate: &Vector6<f64>) -> [Matrix6<f64>; 2] {
+    let ((v, w), (v_rate, w_rate)) = (halves(twist), halves(rate));
+    let a = Differentials::at(w);
+    [dual(&a.value(), &a.first(&v)), dual(&a.first(&w_rate), &(a.first(&v_rate) + a.second(&v, &w_rate)))]
+}
+
 /// `B` of eq. (3) alone.
 pub(crate) fn tangent(twist: &Vector6<f64>) -> Matrix6<f64> {
     let (v, w) = halves(twist);
-    let [[c2, d2, ..], [c3, d3, ..]] = derivatives(&stumpff(w.norm_squared()));
-    let (hat, along, by) = (w.cross_matrix(), v.cross_matrix(), 2.0 * w.dot(&v));
-    let square = hat * hat;
-    let a = Matrix3::identity() - c2 * hat + c3 * square;
-    let da = -by * d2 * hat - c2 * along + by * d3 * square + c3 * (along * hat + hat * along);
-    let mut b = Matrix6::zeros();
-    b.fixed_view_mut::<3, 3>(0, 0).copy_from(&a);
-    b.fixed_view_mut::<3, 3>(3, 3).copy_from(&a);
-    b.fixed_view_mut::<3, 3>(0, 3).copy_from(&da);
-    b
+    let a = Differentials::at(w);
+    dual(&a.value(), &a.first(&v))
 }
 
 /// `∂(Bᵀ f)/∂Ω`, 6×6, for a wrench `f`: with `G(F) = ∂(Aᵀ F)/∂w` it is `[0, G(F); G(F), dG(F; v) + G(M)]`.
@@ -216,6 +307,7 @@ mod tests {
     #[test]
     fn the_tangent_is_the_series_of_brackets() {
         for twist in twists() {
+            (0..6).for_each(|k| assert_eq!(bracket_unit(&twist, k), bracket(&twist, &Vector6::ith(k, 1.0))));
             let scale = 1.0 + twist.norm();
             assert!((tangent(&twist) - series(&twist)).amax() < 1e-13 * scale * scale, "{twist}");
             let none = Vector6::zeros();
@@ -247,6 +339,9 @@ mod tests {
             let by_first = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
             let by_second = (16.0 * (at(h) + at(-h)) - at(2.0 * h) - at(-2.0 * h) - 30.0 * at(0.0)) / (12.0 * h * h);
             assert!((first - by_first).amax() < 1e-10, "{twist}");
+            let [value, alone] = tangent_and_rate(&twist, &rate);
+            let scale = 1.0 + twist.norm();
+            assert!((value - at(0.0)).amax() == 0.0 && (alone - first).amax() < 1e-14 * scale * scale, "{twist}");
             assert!((twice - by_second).amax() < 1e-7, "{twist}");
         }
     }

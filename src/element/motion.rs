@@ -122,6 +122,7 @@ impl RodMotion {
 }
 
 /// The work of a wrench along a twist.
+#[inline(always)]
 pub(crate) fn row(twist: &Vector6<f64>, wrench: &Wrench) -> f64 {
     let (linear, angular) = halves(twist);
     linear.dot(&wrench.force) + angular.dot(&wrench.moment)

@@ -3,7 +3,7 @@
 mod local;
 mod sixth;
 
-use super::exponential::{bracket, exponential, tangent, tangents};
+use super::exponential::{bracket, exponential, tangent, tangent_and_rate, tangents};
 use super::guide::Guide;
 use super::quadrature::GAUSS;
 use crate::spatial::Sym3;
@@ -335,7 +335,7 @@ impl Rod {
         }
     }
 
-    /// A step at coordinates with their rates and second rates.
+    /// A step at coordinates with their rates and second rates; without the latter `Z̈` is not known.
     pub fn moving(&self, step: usize, q: &[f64], qd: &[f64], qdd: &[f64]) -> Local<'_> {
         if let Some(guide) = &self.guide {
             let second = qdd.first().copied().unwrap_or(0.0);
@@ -344,16 +344,22 @@ impl Rod {
         if self.degree == 2 {
             return Local::Sixth(Sixth::moving(self, step, [q, qd, qdd]));
         }
-        let at = self.strained_still(step, q);
-        let l = at.step.length;
+        let l = self.steps[step].length;
+        let at @ [i0, i1] = self.moments(step, q, true);
+        let twist = i0 + bracket(&i0, &i1) / l;
         let first = self.moments(step, qd, false);
-        let second = self.moments(step, qdd, false);
-        let [i0, i1] = at.moments[0];
         let bilinear = |a: &[Vector6<f64>; 2]| a[0] + (bracket(&a[0], &i1) + bracket(&i0, &a[1])) / l;
         let rate = bilinear(&first);
-        let rate_of_rate = bilinear(&second) + 2.0 * bracket(&first[0], &first[1]) / l;
-        let b = tangents(&at.twist, &rate, &rate_of_rate);
-        Local::Strained(Strained { b, moments: [at.moments[0], first, second], moves: true, ..at })
+        let (second, b) = if qdd.is_empty() {
+            let [b, of_rate] = tangent_and_rate(&twist, &rate);
+            ([Vector6::zeros(); 2], [b, of_rate, Matrix6::zeros()])
+        } else {
+            let second = self.moments(step, qdd, false);
+            let rate_of_rate = bilinear(&second) + 2.0 * bracket(&first[0], &first[1]) / l;
+            (second, tangents(&twist, &rate, &rate_of_rate))
+        };
+        let step = &self.steps[step];
+        Local::Strained(Strained { rod: self, step, twist, b, moments: [at, first, second], moves: true })
     }
 }
 

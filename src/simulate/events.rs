@@ -225,7 +225,7 @@ impl Events {
             let old = before.iter().find(|watch| watch.function == function);
             let positive = match function {
                 Function::Depth(_) | Function::End(_) => last[0] > band,
-                // A blow elsewhere may let a stop push that has let go; one that is not touched waits for that.
+                // An impact elsewhere may let a stop push that has let go; one that is not touched waits for that.
                 Function::Push(side) => {
                     let apart = model.stops[side.stop].depth(side.at, &state.position) <= motion.touching(side);
                     motion.system.phase().pushes(side) || apart && last[0] > band

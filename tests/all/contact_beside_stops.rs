@@ -129,14 +129,14 @@ fn arms_that_strike_a_floor_and_their_stops_gain_no_energy() {
 }
 
 /// A ball leaves a damped stop faster than that relaxes, `k p < c v`: the stop lets go while it is still pressed. A wall throws it back, and the stop
-/// pushes again: `m p̈ + c ṗ + k p = 0` from the blow on, until that force is none.
+/// pushes again: `m p̈ + c ṗ + k p = 0` from the impact on, until that force is none.
 #[test]
-fn a_stop_that_has_let_go_pushes_what_a_blow_throws_back() {
+fn a_stop_that_has_let_go_pushes_what_an_impact_throws_back() {
     let mut random = Random::new(0xb10);
     for case in 0..24 {
         let [mass, damping] = [random.between(0.5, 3.0), random.between(20.0, 150.0)];
         let [speed, restitution] = [random.between(1.0, 6.0), random.between(0.2, 1.0)];
-        let [from, blow] = [random.between(0.012, 0.03), random.between(0.002, 0.01)];
+        let [from, struck] = [random.between(0.012, 0.03), random.between(0.002, 0.01)];
         let stiffness = random.between(0.1, 0.9) * damping * speed / from;
         // The stop of what approaches pushes as well, one way or the other about.
         let back = restitution * speed;
@@ -148,14 +148,14 @@ fn a_stop_that_has_let_go_pushes_what_a_blow_throws_back() {
                 true => ((w * t).sinh() / w, (w * t).cosh()),
                 false => ((w * t).sin() / w, (w * t).cos()),
             };
-            let pressed = (-decay * t).exp() * (blow * cosine + (back + decay * blow) * sine);
-            let rate = (-decay * t).exp() * (back * cosine - (stiffness / mass * blow + decay * back) * sine);
+            let pressed = (-decay * t).exp() * (struck * cosine + (back + decay * struck) * sine);
+            let rate = (-decay * t).exp() * (back * cosine - (stiffness / mass * struck + decay * back) * sine);
             [pressed, rate]
         };
         let mut long = 0.05;
         let ends = |time: f64| {
             let [pressed, rate] = at(time);
-            stiffness * pressed + damping * rate <= 0.0 || pressed < blow
+            stiffness * pressed + damping * rate <= 0.0 || pressed < struck
         };
         // Before the stop lets go again, and before the wall is met again.
         while (1..=100).any(|k| ends(0.01 * long * f64::from(k))) {
@@ -166,10 +166,10 @@ fn a_stop_that_has_let_go_pushes_what_a_blow_throws_back() {
              \"fixed\" }}\n[[body]]\nname = \"ball\"\nmass = {mass}\ninertia = [1, 1, 1]\nshape = {{ sphere = 0.1 }}\nhinge = {{ type = \
              \"prismatic\", axis = [1, 0, 0], position = {}, velocity = {speed}, limits = {{ low = 0.0, stiffness = {stiffness}, damping = \
              {damping} }} }}\n[[contact]]\nbetween = [\"wall\", \"ball\"]\nrestitution = {restitution}\n",
-            0.1 - blow,
+            0.1 - struck,
             -from
         );
-        let summary = exact(&text, (from - blow) / speed + long);
+        let summary = exact(&text, (from - struck) / speed + long);
         let [pressed, rate] = at(long);
         let off = [summary.state.position[0] + pressed, summary.state.velocity[0] + rate];
         assert!(

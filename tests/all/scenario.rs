@@ -300,7 +300,7 @@ fn files_that_are_no_scenarios_are_refused() {
     assert_eq!(failure(&path("chian.toml")), near);
     assert_eq!(failure(folder.path()), format!("`{}` is a folder, not a scenario file", folder.path().display()));
     assert!(failure(&path("binary.toml")).ends_with("is not UTF-8 text: byte 12 (line 2) is 0xC3"));
-    assert!(failure(&path("zero.toml")).ends_with("byte 0 (line 1) is 0x00"));
+    assert!(failure(&path("zero.toml")).ends_with("byte 0 (line 1) is 0x00, which stands in no text"));
     assert!(failure(&path("wide.toml")).ends_with("is 0xFF; it looks like UTF-16, save it as UTF-8"));
     assert!(scenario::load(&path("marked.toml")).is_ok(), "a byte order mark before UTF-8 is no harm");
     assert!(scenario::load(&path("chain.toml")).is_ok());

@@ -2,7 +2,7 @@
 
 use super::sixth::{Halves, Sixth};
 use super::{Rod, Step};
-use crate::element::exponential::{bracket, exponential, tangent_gradient};
+use crate::element::exponential::{bracket, bracket_unit, exponential, tangent_gradient};
 use crate::element::guide::Guided;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -124,9 +124,11 @@ impl Strained<'_> {
     fn column(&self, i: usize, order: usize) -> Vector6<f64> {
         let (strain, [w0, w1]) = self.weights(i);
         let [i0, i1] = &self.moments[order];
-        let unit = Vector6::ith(strain, 1.0);
-        let commuted = bracket(&(w1 * i0 - w0 * i1), &unit) / self.step.length;
-        if order == 0 { w0 * unit + commuted } else { commuted }
+        let mut column = bracket_unit(&((w1 * i0 - w0 * i1) / self.step.length), strain);
+        if order == 0 {
+            column[strain] += w0;
+        }
+        column
     }
 
     fn subspace(&self, i: usize) -> Vector6<f64> {

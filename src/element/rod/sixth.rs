@@ -14,7 +14,7 @@
 //! rate.
 
 use super::{MOST_COORDINATES, Rod, Step};
-use crate::element::exponential::{bracket, halves, joined, tangent, tangent_gradient, tangents};
+use crate::element::exponential::{bracket, halves, joined, tangent, tangent_and_rate, tangent_gradient, tangents};
 use nalgebra::{Matrix6, Vector6};
 
 /// A value and its derivatives by time, `N` of them in all.
@@ -174,7 +174,13 @@ impl<'a> Sixth<'a> {
         let (value, first, second) = (of(q, true), of(qd, false), of(qdd, false));
         let magnus = Magnus::new(std::array::from_fn(|k| [value[k], first[k], second[k]]));
         let [twist, rate, twice] = magnus.omega;
-        Self { rod, step, twist, b: tangents(&twist, &rate, &twice), magnus, moves: true }
+        let b = if qdd.is_empty() {
+            let [b, of_rate] = tangent_and_rate(&twist, &rate);
+            [b, of_rate, Matrix6::zeros()]
+        } else {
+            tangents(&twist, &rate, &twice)
+        };
+        Self { rod, step, twist, b, magnus, moves: true }
     }
 
     /// What a unit of a coordinate adds to `α`.
