@@ -7,12 +7,12 @@
 //! ```text
 //! lever   the longest distance from a revolute or spherical hinge of the component to the end of a loop that it moves (m)
 //! reach   the longest way along links from one end of a loop of the component to the other (m)
-//! stretch the lever if all links between lay in one line and no hinge were moved (m)
+//! span    the lever if all links between lay in one line and no hinge were moved (m)
 //! ```
 //!
-//! Multipliers of rows that depend are shared by their size ([`super::Constraints::share`]), moments divided by the stretch: that is of the
-//! mechanism, not of a pose, so that one pose has one answer wherever it was come from. A lever makes the entries of `G` comparable: a turn by 1 rad moves ends by about one lever. A reach is what gaps are
-//! small or large compared with: the round-off of a gap is that of the way it is summed over.
+//! A lever makes the entries of `G` comparable: a turn by 1 rad moves ends by about one lever. A reach is what gaps are
+//! small or large compared with: the round-off of a gap is that of the way it is summed over. A span is of the mechanism and not of
+//! a pose: what is told of one pose in parts of it, as shared multipliers, is the same wherever a search has begun.
 
 use super::row::{Ends, Rule};
 use super::rows::RowGroup;
@@ -99,20 +99,20 @@ pub(super) fn lengths(model: &Model, elements: &[RowGroup], rules: &[Rule], moti
     of_components(model, elements, &own)
 }
 
-/// The stretch of every element's component (m).
-pub(super) fn stretches(model: &Model, elements: &[RowGroup], rules: &[Rule]) -> Vec<f64> {
+/// The span of every element's component (m).
+pub(super) fn spans(model: &Model, elements: &[RowGroup], rules: &[Rule]) -> Vec<f64> {
     let mut unmoved = Motion::new(model);
     unmoved.update(model, &model.unmoved_position(), &vec![0.0; model.velocity_count()]);
     let own = |element: &RowGroup| {
         let lengths = of_element(element, rules, model, &unmoved);
-        Lengths { lever: stretch_of(element, model, &unmoved).unwrap_or(lengths.lever), ..lengths }
+        Lengths { lever: span_of(element, model, &unmoved).unwrap_or(lengths.lever), ..lengths }
     };
     let own: Vec<Lengths> = elements.iter().map(own).collect();
     of_components(model, elements, &own).into_iter().map(|lengths| lengths.lever).collect()
 }
 
 /// `None` of what has no ends.
-fn stretch_of(element: &RowGroup, model: &Model, unmoved: &Motion) -> Option<f64> {
+fn span_of(element: &RowGroup, model: &Model, unmoved: &Motion) -> Option<f64> {
     let ends = element.ends.as_ref()?;
     let of_branch = |(branch, end): (&Vec<usize>, &End)| {
         let (mut longest, mut way) = (0.0_f64, end.point.norm());

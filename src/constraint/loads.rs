@@ -136,7 +136,7 @@ impl Constraints {
     }
 
     /// Of all multipliers that balance what the last ones do, takes the smallest: the least sum of squares, moments
-    /// divided by the stretch of their component (`component`). `all` are the same rows, none left out. At the position of the tree's last
+    /// divided by the span of their component. `all` are the same rows, none left out. At the position of the tree's last
     /// factorization.
     ///
     /// ```text
@@ -282,7 +282,7 @@ impl Constraints {
         }
     }
 
-    /// The root of the sum of squares of all multipliers, moments divided by the stretch of their component (N).
+    /// The root of the sum of squares of all multipliers, moments divided by the span of their component (N).
     pub(crate) fn multiplier_size(&self) -> f64 {
         self.multipliers.iter().zip(&self.weights).map(|(x, weight)| (x / weight).powi(2)).sum::<f64>().sqrt()
     }

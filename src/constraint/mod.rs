@@ -87,7 +87,7 @@ pub struct Constraints {
     grounded: Vec<bool>,
     /// Where the entries of the rows solved for stand, once that is known.
     entries: Option<Arc<Entries>>,
-    /// What makes angles comparable with lengths, per row: the stretch of its component (m); 1 for lengths.
+    /// What makes angles comparable with lengths, per row: the span of its component (m); 1 for lengths.
     weights: Vec<f64>,
     /// The length that gaps are compared with, per row: the reach of its component (m).
     reaches: Vec<f64>,
@@ -154,10 +154,10 @@ impl Constraints {
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
         let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
         let lengths = component::lengths(model, &elements, &rules, &given);
-        let stretches = component::stretches(model, &elements, &rules);
-        for ((element, lengths), stretch) in elements.iter().zip(&lengths).zip(stretches) {
+        let spans = component::spans(model, &elements, &rules);
+        for ((element, lengths), span) in elements.iter().zip(&lengths).zip(spans) {
             for row in element.rows.clone() {
-                weights[row] = if rules[row].turns() { stretch } else { 1.0 };
+                weights[row] = if rules[row].turns() { span } else { 1.0 };
                 reaches[row] = lengths.reach;
             }
         }

@@ -17,9 +17,8 @@ use crate::simulate::problem::Equations;
 const ROUNDS: usize = 12;
 /// The last of them, whose growth counts.
 const COUNTED: usize = 6;
-/// Size of the perturbation, in scales of the coordinates; in parts of the speed of a slip that turns, if that is less.
+/// Size of the perturbation, in scales of the coordinates; less where friction asks for that.
 const PERTURBATION: f64 = 1e-7;
-const OF_A_SLIP: f64 = 1e-2;
 
 /// The fastest motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +42,9 @@ pub(super) fn fastest(motion: &mut Equations, time: f64, q: &[f64], v: &[f64]) -
     };
     let mut base = vec![0.0; n];
     motion.acceleration(time, q, v, &mut base).ok()?;
-    let mut slips = vec![f64::INFINITY; n];
-    motion.slips_that_turn(&mut slips);
-    let finest = slips.iter().zip(&scales).map(|(slip, scale)| OF_A_SLIP * slip / scale);
-    let perturbation = finest.fold(PERTURBATION, f64::min);
+    let mut sizes: Vec<f64> = scales.iter().map(|scale| PERTURBATION * scale).collect();
+    motion.refine(&mut sizes);
+    let perturbation = sizes.iter().zip(&scales).map(|(size, scale)| size / scale).fold(PERTURBATION, f64::min);
     // In scales of velocities: δq takes the scene's time to count as much. No direction is left out by a pattern.
     let mut shift: Vec<f64> = (0..n).map(|i| 1.0 + 0.5 * (1.7 * i as f64).sin()).collect();
     let mut speed: Vec<f64> = (0..n).map(|i| 1.0 - 0.5 * (2.3 * i as f64).cos()).collect();

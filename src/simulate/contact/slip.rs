@@ -10,6 +10,8 @@ const ALIKE: f64 = 0.5;
 const MOVED: f64 = 2.0;
 /// A slip that ends may have turned while the step lasted: it is at rest up to so many times what is told from that.
 pub(super) const ENDS: f64 = 4.0;
+/// A difference of the friction of a slip that turns is taken over this part of its speed: it changes within that speed.
+const OVER: f64 = 1e-2;
 /// An event is located to less than this part of the speed that it watches for.
 const LOCATED: f64 = 1e-6;
 
@@ -113,12 +115,12 @@ impl Contacts {
         matches!(was.state, ContactState::Slip(held) if rest > 0.0 && slip.dot(&held) <= rest * (1.0 + LOCATED))
     }
 
-    /// For each velocity coordinate the smallest velocity by which a slip that turns becomes as fast as it is in the last place.
-    pub(in crate::simulate) fn slips_that_turn(&self, least: &mut [f64]) {
+    /// Lowers the sizes of differences over velocity coordinates to what slips that turn allow in the last place.
+    pub(in crate::simulate) fn refine(&self, sizes: &mut [f64]) {
         for (closed, frame) in self.closed.iter().zip(&self.frames).filter(|(closed, _)| closed.turns()) {
-            let speed = closed.slip.norm().max(self.still);
+            let most = OVER * closed.slip.norm().max(self.still);
             for (i, column) in frame.columns[1..].iter().flatten() {
-                least[*i] = least[*i].min(speed / column.abs());
+                sizes[*i] = sizes[*i].min(most / column.abs());
             }
         }
     }

@@ -17,9 +17,6 @@ use crate::dynamics::Dense;
 /// Size of the differences, in scales of coordinates.
 const DIFFERENCE: f64 = 1e-7;
 
-/// What a displacement adds to the speed of a slip that turns, in parts of it.
-const OF_A_SLIP: f64 = 1e-2;
-
 /// A factorized matrix (1), and room to make it.
 pub(in crate::simulate) struct Differenced {
     matrix: Dense,
@@ -29,8 +26,8 @@ pub(in crate::simulate) struct Differenced {
     position: Vec<f64>,
     velocity: Vec<f64>,
     by: Vec<f64>,
-    /// Velocities by which slips that turn become as fast as they are.
-    slips: Vec<f64>,
+    /// Of the velocities.
+    sizes: Vec<f64>,
 }
 
 /// One displacement of (2).
@@ -48,14 +45,15 @@ impl Differenced {
     pub(in crate::simulate) fn new(positions: usize, velocities: usize) -> Self {
         let room = || vec![0.0; velocities];
         let (matrix, position) = (Dense::new(velocities), vec![0.0; positions]);
-        Self { matrix, base: room(), moved: room(), position, velocity: room(), by: room(), slips: room() }
+        Self { matrix, base: room(), moved: room(), position, velocity: room(), by: room(), sizes: room() }
     }
 
-    /// Where `a_c` of the point goes, and for each velocity coordinate how much of it makes a slip that turns as fast as it is there (endless
-    /// without one): before [`Differenced::factorize`].
-    pub(in crate::simulate) fn begin(&mut self) -> (&mut [f64], &mut [f64]) {
-        self.slips.fill(f64::INFINITY);
-        (&mut self.base, &mut self.slips)
+    /// Begins a matrix about a velocity `v` whose coordinates have `scales`: where `a_c` of the point goes, and the sizes of differences over
+    /// velocities, which may be lowered.
+    pub(in crate::simulate) fn begin(&mut self, v: &[f64], scales: &[f64]) -> (&mut [f64], &mut [f64]) {
+        let size = |(scale, v): (&f64, &f64)| DIFFERENCE * scale.max(v.abs());
+        self.sizes.iter_mut().zip(scales.iter().zip(v)).for_each(|(to, of)| *to = size(of));
+        (&mut self.base, &mut self.sizes)
     }
 
     /// Factorizes (1) about the point of [`Differenced::begin`] and its velocity `v`, whose coordinates have `scales`, those of positions divided
@@ -70,13 +68,12 @@ impl Differenced {
         (scales, time): (&[f64], f64),
         mut accelerations: impl FnMut(Displaced<'_>) -> Result<(), E>,
     ) -> Result<bool, E> {
-        let Self { matrix, base, moved, position, velocity, by, slips } = self;
+        let Self { matrix, base, moved, position, velocity, by, sizes } = self;
         by.fill(0.0);
         velocity.copy_from_slice(v);
         for j in 0..v.len() {
             // The velocity moves with the position as within a stage, but never by more than its size.
-            let fastest = (DIFFERENCE * scales[j].max(v[j].abs())).min(OF_A_SLIP * slips[j]);
-            let size = (DIFFERENCE * scales[j] * time).min(fastest / c1.max(f64::MIN_POSITIVE));
+            let size = (DIFFERENCE * scales[j] * time).min(sizes[j] / c1.max(f64::MIN_POSITIVE));
             by[j] = size;
             velocity[j] = v[j] + c1 * size;
             accelerations(Displaced { by, position, velocity, a: moved })?;

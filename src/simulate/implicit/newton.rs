@@ -13,10 +13,9 @@ fn singular() -> Failure {
 }
 
 impl Equations {
-    /// For each velocity coordinate the smallest velocity by which a slip that turns becomes as fast as it is where accelerations were computed
-    /// last; left as it is without one.
-    pub(in crate::simulate) fn slips_that_turn(&self, least: &mut [f64]) {
-        self.contacts.iter().for_each(|contacts| contacts.slips_that_turn(least));
+    /// Lowers the sizes of differences over velocity coordinates to what friction allows where accelerations were computed last.
+    pub(in crate::simulate) fn refine(&self, sizes: &mut [f64]) {
+        self.contacts.iter().for_each(|contacts| contacts.refine(sizes));
     }
 
     /// The Newton matrix beside contacts that move.
@@ -25,10 +24,10 @@ impl Equations {
             return Err(singular());
         };
         let span = self.model().time_scale();
-        let (base, slips) = factors.begin();
-        let stood = self.accelerations(time, q, v, base);
-        self.slips_that_turn(slips);
         let scales = std::mem::take(&mut self.velocity_scales);
+        let (base, sizes) = factors.begin(v, &scales);
+        let stood = self.accelerations(time, q, v, base);
+        self.refine(sizes);
         let regular = stood.and_then(|()| {
             factors.factorize(v, [c1, c2], (&scales, span), |at: Displaced<'_>| {
                 ImplicitProblem::displace(self, q, at.by, at.position);
