@@ -175,7 +175,8 @@ impl Events {
     /// Takes the signs at the start of a run or after a transition; what is watched depends on the discrete state.
     pub(super) fn arm(&mut self, motion: &mut Equations, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
-        // Captured steps follow rigid stops and dry friction by themselves.
+        // Captured steps follow rigid stops and dry friction by themselves, and compliant stops from step to step: an event on the way through one
+        // would cut its impulses short.
         let captured = motion.is_captured();
         let held = if captured { &[] } else { motion.held() };
         let rubbing = if captured { &[] } else { motion.system.phase().rubbing.as_slice() };
@@ -186,8 +187,7 @@ impl Events {
             Rubbing::Slides(_) => Some(Function::Speed(index)),
             Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
-        let follows = |side: &StopSide| !(captured && model.stops[side.stop].is_rigid());
-        for side in sides(&model.stops).filter(|side| !rests(side) && follows(side)) {
+        for side in sides(&model.stops).filter(|side| !captured && !rests(side)) {
             if !motion.system.phase().pushes(side) {
                 functions.push(Function::Depth(side));
             }

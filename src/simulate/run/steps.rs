@@ -10,6 +10,7 @@ use crate::simulate::events::{Hit, Transition, dead_centre};
 use crate::simulate::problem::Equations;
 use crate::simulate::samples::ledger::interpolate;
 use crate::simulate::state::State;
+use crate::simulate::stops::instant;
 use std::time::Instant;
 
 /// What ended the steps of one stepper, and when (s). More than one may: a run that creeps is captured at a transition, too.
@@ -55,6 +56,9 @@ impl Run<'_, '_> {
             ending.stopped = !self.tell(motion, stepper, time, recorder, go_on)?;
             recorder.pause()?;
             self.close_step(motion, stepper, time)?;
+            if let (true, Some(events)) = (motion.is_captured(), &mut self.events) {
+                events.happened.extend(instant::press(motion, time, &mut self.state));
+            }
             if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
                 ending.captures = self.try_capture(motion, time);
                 if !ending.captures {

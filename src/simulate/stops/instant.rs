@@ -97,19 +97,7 @@ pub(in crate::simulate) fn resolve(
         motion.accelerations(time, &state.position, &state.velocity, &mut beside).map_err(fault)?;
     }
     let rows = rows(motion, state, &before);
-    let mut instant = Instant {
-        motion,
-        time,
-        state,
-        tolerance,
-        parted: vec![false; rows.len()],
-        stopped: vec![None; rows.len()],
-        rows,
-        matrix: Vec::new(),
-        free: Vec::new(),
-        inward: Vec::new(),
-        outcome: Outcome::default(),
-    };
+    let mut instant = Instant::new(motion, time, state, tolerance, rows);
     if instant.rows.is_empty() {
         instant.let_push(transition);
         return Ok(instant.outcome);
@@ -129,6 +117,13 @@ pub(in crate::simulate) fn resolve(
     Ok(instant.outcome)
 }
 
+/// Lets compliant stops push, or no longer, by a state that a captured step has led to, in which velocities may have jumped; what happened.
+pub(in crate::simulate) fn press(motion: &mut Equations, time: f64, state: &mut State) -> Vec<Occurrence> {
+    let mut instant = Instant::new(motion, time, state, 0.0, Vec::new());
+    instant.let_push(None);
+    instant.outcome.happened
+}
+
 /// Rigid stops that are touched, or hold, and all dry friction.
 fn rows(motion: &Equations, state: &State, held: &[Holding]) -> Vec<Of> {
     let frictions = motion.model().hinge_friction.iter().enumerate();
@@ -145,6 +140,24 @@ fn touched(motion: &Equations, state: &State, held: &[Holding]) -> Vec<StopSide>
         depth >= -motion.touching(*side) || held.iter().any(|held| held.stop == Some(*side))
     };
     sides(stops).filter(|side| rigid(side) && touches(side)).collect()
+}
+
+impl<'a> Instant<'a> {
+    fn new(motion: &'a mut Equations, time: f64, state: &'a mut State, tolerance: f64, rows: Vec<Of>) -> Self {
+        Self {
+            motion,
+            time,
+            state,
+            tolerance,
+            parted: vec![false; rows.len()],
+            stopped: vec![None; rows.len()],
+            rows,
+            matrix: Vec::new(),
+            free: Vec::new(),
+            inward: Vec::new(),
+            outcome: Outcome::default(),
+        }
+    }
 }
 
 impl Instant<'_> {

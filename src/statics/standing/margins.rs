@@ -31,6 +31,8 @@ pub struct Margins {
     pub tilt: Vec<(String, f64, Vec<f64>)>,
     /// Of inputs that are unknown: the range of each, the others being free.
     pub inputs: Vec<Interval>,
+    /// Which of them no program decides, and why: the verdict stands without them.
+    pub undecided: Vec<String>,
 }
 
 pub(super) fn margins(
@@ -42,10 +44,20 @@ pub(super) fn margins(
 ) -> Result<Margins, Unanswered> {
     let mut margins = Margins::default();
     for parameter in &asked.numbers {
-        margins.numbers.push(interval(description, pose, bearers, parameter)?);
+        match interval(description, pose, bearers, parameter) {
+            Ok(range) => margins.numbers.push(range),
+            Err(Unanswered::Undecided(why @ Undecided::Inexact { .. })) => {
+                margins.undecided.push(format!("the range of `{}` is not known: {why}", parameter.address));
+            }
+            Err(why) => return Err(why),
+        }
     }
-    if asked.tilt {
-        margins.tilt = tilt(model, pose, bearers)?;
+    match asked.tilt.then(|| tilt(model, pose, bearers)) {
+        Some(Err(Unanswered::Undecided(why @ Undecided::Inexact { .. }))) => {
+            margins.undecided.push(format!("how far it can be tilted is not known: {why}"));
+        }
+        Some(found) => margins.tilt = found?,
+        None => {}
     }
     Ok(margins)
 }

@@ -113,8 +113,9 @@ pub(super) fn equilibrium(
     let needs_friction = given.friction_margin.is_some_and(|part| part > NOT_NEEDED);
     if given.verdict == Verdict::Stands && model.contacts.is_empty() && !needs_friction {
         // An equilibrium without friction, too: it has its modes.
-        let found = search()?;
+        let mut found = search()?;
         if found.converged && found.position == *pose {
+            found.notes.extend_from_slice(&given.margins.undecided);
             return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
         }
     }
@@ -148,7 +149,8 @@ fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Re
         let observers = Observers { go_on: Some(go_on), ..Observers::default() };
         return Ok(equilibrium_observed(&held, settings, pose, observers)?.position);
     }
-    Ok(settle::settle(&held, settings, pose, go_on)?.pose)
+    let settled = settle::settle(&held, settings, pose, go_on)?.pose;
+    balanced(&held, settings, settled, go_on)
 }
 
 /// Where a search has settled, what no support pushes is this near to its balance: part of the scene's length.
