@@ -1,6 +1,6 @@
 //! What rests on a stop or by dry friction: rows that come and go while a scene moves, beside those of its loops, drives and gears.
 
-use super::row::Placed;
+use super::row::{Placed, Rule};
 use super::rows;
 use super::selection::HeldRow;
 use super::{Constraints, Owner};
@@ -20,6 +20,7 @@ impl Constraints {
         self.ways.truncate(elements);
         self.rules.truncate(rows);
         self.weights.truncate(rows);
+        self.levers.truncate(rows);
         self.reaches.truncate(rows);
         self.placed.truncate(rows);
         self.multipliers.truncate(rows);
@@ -27,7 +28,9 @@ impl Constraints {
         rows::hold(model, held, motion, &mut self.elements, &mut self.rules);
         self.ways.extend(self.elements[elements..].iter().map(|element| rows::way(model, element)));
         let length = model.length_scale();
-        self.weights.extend(self.rules[rows..].iter().map(|rule| if rule.turns() { length } else { 1.0 }));
+        let lever = |rule: &Rule| if rule.turns() { length } else { 1.0 };
+        self.weights.extend(self.rules[rows..].iter().map(lever));
+        self.levers.extend_from_slice(&self.weights[rows..]);
         self.reaches.resize(self.rules.len(), length);
         self.placed.resize(self.rules.len(), Placed::default());
         self.multipliers.resize(self.rules.len(), 0.0);

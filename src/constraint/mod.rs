@@ -87,8 +87,10 @@ pub struct Constraints {
     grounded: Vec<bool>,
     /// Where the entries of the rows solved for stand, once that is known.
     entries: Option<Arc<Entries>>,
-    /// What makes angles comparable with lengths, per row: the span of its component (m); 1 for lengths.
+    /// What makes multipliers of angles comparable with those of lengths, per row: the span of its component (m); 1 for lengths.
     weights: Vec<f64>,
+    /// What makes their pivots comparable, likewise: its lever where the model begins.
+    levers: Vec<f64>,
     /// The length that gaps are compared with, per row: the reach of its component (m).
     reaches: Vec<f64>,
     plan: Plan,
@@ -152,12 +154,12 @@ impl Constraints {
     fn unplanned(model: &Model, selection: &RowSelection) -> Self {
         let (elements, rules, given) = rows::of_model(model, selection);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
-        let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
+        let [mut weights, mut levers, mut reaches] = [(); 3].map(|()| vec![1.0; rules.len()]);
         let lengths = component::lengths(model, &elements, &rules, &given);
         let spans = component::spans(model, &elements, &rules);
         for ((element, lengths), span) in elements.iter().zip(&lengths).zip(spans) {
             for row in element.rows.clone() {
-                weights[row] = if rules[row].turns() { span } else { 1.0 };
+                (weights[row], levers[row]) = if rules[row].turns() { (span, lengths.lever) } else { (1.0, 1.0) };
                 reaches[row] = lengths.reach;
             }
         }
@@ -179,6 +181,7 @@ impl Constraints {
             grounded: model.links.iter().map(|link| link.parent == 0).collect(),
             entries: None,
             weights,
+            levers,
             reaches,
             plan: Plan::default(),
             meetings: None,
@@ -321,11 +324,11 @@ impl Constraints {
         for group in &self.plan.groups {
             let weighted = group.rows.iter().enumerate().map(|(k, row)| {
                 let at = group.first + k;
-                self.weights[*row] * self.weights[*row] * self.matrix.get(at, at)
+                self.levers[*row] * self.levers[*row] * self.matrix.get(at, at)
             });
             let largest = weighted.fold(0.0, f64::max);
             for (k, row) in group.rows.iter().enumerate() {
-                self.sizes[group.first + k] = largest / (self.weights[*row] * self.weights[*row]);
+                self.sizes[group.first + k] = largest / (self.levers[*row] * self.levers[*row]);
             }
         }
     }

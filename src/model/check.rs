@@ -71,7 +71,6 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
         let help = "that is the inertial frame; a model that is read can be given a `prefix`";
         found.add(element, "name", format!("a body cannot be called `{GROUND}`"), help);
     }
-    check_name(found, element, name);
     for (marker, at) in &body.markers {
         if !finite(at) {
             let message = format!("marker `{marker}` of `{name}` is {}", list(at));
@@ -79,14 +78,6 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
         }
     }
     check_hinge(found, element, body);
-}
-
-/// Names stand in tables, addresses and columns.
-fn check_name(found: &mut Findings, element: Element, name: &str) {
-    if name.chars().any(char::is_control) {
-        let message = format!("the name {name:?} has a line break or another control character");
-        found.add(element, "name", message, "allowed: letters, digits, blanks and signs");
-    }
 }
 
 fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassProperties, unphysical: bool) {
@@ -212,7 +203,6 @@ fn check_quaternion(found: &mut Findings, element: Element, name: &str, path: &s
 fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
     let mut report = Report { name: &force.name, found: Vec::new() };
     force.kind.check(&mut report);
-    check_name(found, Element::Force(index), &force.name);
     found.problems.extend(report.found.into_iter().map(|flaw| Problem::of_force(index, flaw)));
 }
 

@@ -180,3 +180,38 @@ fn a_stop_that_has_let_go_pushes_what_an_impact_throws_back() {
         assert!(summary.energy_drift.abs() < 1e-9 * summary.energy_largest, "case {case}: {}", summary.energy_drift);
     }
 }
+
+/// A ball runs onto a damped stop and, 1 cm further, onto a rigid one, in a scene whose other ball never meets it: captured steps take the
+/// impact. It comes back with `e u`, where the damped stop, `k p − c e u < 0`, pushes no more.
+#[test]
+fn a_damped_stop_lets_go_of_what_a_captured_impact_throws_back() {
+    for (restitution, damping) in [(0.3, 80.0), (0.5, 60.0), (0.2, 100.0)] {
+        let (stiffness, speed, way) = (300.0, 2.0, 0.01);
+        let text = format!(
+            "gravity = [0, 0, 0]\n[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nshape = {{ sphere = 0.05 }}\nhinge = {{ type = \
+             \"prismatic\", axis = [1, 0, 0], velocity = {speed:?}, limits = [{{ high = 0.19, stiffness = {stiffness:?}, damping = \
+             {damping:?} }}, {{ high = 0.2, restitution = {restitution:?} }}] }}\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [1, 1, \
+             1]\nshape = {{ sphere = 0.05 }}\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = 5.0, velocity = 10.0 \
+             }}\n[[contact]]\nbetween = [\"a\", \"b\"]\n"
+        );
+        // p̈ = −k p − c ṗ by small steps of fourth order, from the damped stop to the rigid one.
+        let rate = |[p, v]: [f64; 2]| [v, -stiffness * p - damping * v];
+        let (mut at, h) = ([0.0, speed], 1e-7);
+        while at[0] < way {
+            let plus = |k: [f64; 2], part: f64| [at[0] + part * h * k[0], at[1] + part * h * k[1]];
+            let first = rate(at);
+            let second = rate(plus(first, 0.5));
+            let third = rate(plus(second, 0.5));
+            let fourth = rate(plus(third, 1.0));
+            at = [0, 1].map(|i| at[i] + h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]));
+        }
+        let back = -restitution * at[1];
+        assert!(stiffness * way + damping * back < 0.0, "the damped stop pushes no more");
+        // Captured steps are of order 1: their length follows from the tolerance.
+        for (tolerance, allowed) in [(1e-8, 2e-3), (1e-10, 1e-3)] {
+            let summary = tried(&read(&text), 0.5, tolerance, Method::Dop853).unwrap_or_else(|error| panic!("{error}"));
+            let off = (summary.state.velocity[0] / back - 1.0).abs();
+            assert!(off < allowed, "{restitution}, {damping} at {tolerance}: {} for {back}", summary.state.velocity[0]);
+        }
+    }
+}
