@@ -482,3 +482,19 @@ def test_wrong_arguments_are_named():
     with pytest.raises(KeyError) as caught:
         scene.run(0.1, controller=lambda time, outputs: {"pushh": 1}, period=0.02)
     assert caught.value.args[0].startswith("at t = 0 s: no input is called `pushh`")
+
+
+def test_linearize_has_what_is_asked_for_in_that_order():
+    springs = [dict(name=name, mass=1.0, inertia=[1.0, 1.0, 1.0], hinge=dict(type="prismatic", axis=[1.0, 0.0, 0.0], stiffness=stiff))
+               for name, stiff in (("a", 1.0), ("b", 4.0))]
+    outputs = [dict(name="x" + name, type="coordinate", of=name) for name in "ab"]
+    found = stillpoint.describe(body=springs, output=outputs).equilibrium().linearize(
+        inputs=["b.force", "a.force"], outputs=["xb", "xa"])
+    assert list(found.outputs) == ["xb", "xa"]
+    gain = np.asarray(found.D) - np.asarray(found.C) @ np.linalg.solve(found.A, found.B)
+    assert np.allclose(gain, np.diag([0.25, 1.0]), atol=1e-12)
+
+
+def test_degrees_of_freedom_are_what_loops_leave():
+    four_bar = stillpoint.load(SCENARIOS / "four_bar.toml")
+    assert four_bar.degrees_of_freedom == 1 and len(four_bar.velocities) == 3

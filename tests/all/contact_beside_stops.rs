@@ -138,7 +138,6 @@ fn a_stop_that_has_let_go_pushes_what_an_impact_throws_back() {
         let [speed, restitution] = [random.between(1.0, 6.0), random.between(0.2, 1.0)];
         let [from, struck] = [random.between(0.012, 0.03), random.between(0.002, 0.01)];
         let stiffness = random.between(0.1, 0.9) * damping * speed / from;
-        // The stop of what approaches pushes as well, one way or the other about.
         let back = restitution * speed;
         let (decay, discriminant) = (0.5 * damping / mass, (0.5 * damping / mass).powi(2) - stiffness / mass);
         let at = |t: f64| {

@@ -103,6 +103,8 @@ fn a_slip_out_of_rolling_takes_implicit_methods_few_steps() {
             explicit.events.iter().filter(|event| event.kind.name() == "slips").map(|e| e.time).collect();
         slipped += slips.len();
         for method in [Method::Radau5, Method::Radau9] {
+            // A thousand tolerances: what begins to slip is told from rest at some tens of them, and its direction by as much. In single scenes radau5
+            // took 800 steps and radau9 1800, where the one took 24 000 before.
             let implicit = go(&model, 2.0, 1e-8, method);
             assert_eq!(kinds(&implicit), kinds(&explicit), "case {case}, {method:?}");
             for (one, other) in implicit.events.iter().zip(&explicit.events) {

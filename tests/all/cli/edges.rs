@@ -189,3 +189,86 @@ fn inspect_says_that_it_knows_no_friction_and_no_contact() {
     let told = bench.call(&["inspect", "free.toml", "--json"]).code(0);
     assert_eq!((told.err.as_str(), &told.json()["left_out"]), ("", &serde_json::json!([])));
 }
+
+/// A box that carries a beam stands on a floor as long as it is pushed with less than `μ (m + m_b) g`, however the beam bends.
+#[test]
+fn a_box_with_a_beam_stands_until_it_slides() {
+    let bench = Bench::new();
+    for (young, elements) in [("2e8", 8), ("2e9", 8), ("2e10", 4), ("2e11", 8), ("2e12", 8)] {
+        bench.write(
+            "scene.toml",
+            &format!(
+                "[statics]\nmargin = [\"push.force[0]\"]\n[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\n\
+                 hinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"box\"\nmass = 10.0\ninertia = [0.5, 0.5, 0.5]\n\
+                 shape = {{ box = [1, 1, 0.4] }}\nhinge = {{ type = \"free\", position = [0, 0, 0.2, 1, 0, 0, 0] }}\n\
+                 [[beam]]\nname = \"bm\"\nhinge = {{ type = \"fixed\", parent = \"box\" }}\nlength = 1.0\nelements = {elements}\n\
+                 section = {{ tube = [0.02, 0.018] }}\nmaterial = {{ young = {young}, density = 7800 }}\n\
+                 [[force]]\nname = \"push\"\ntype = \"load\"\non = \"box\"\nforce = [5.0, 0, 0]\n\
+                 [[contact]]\nbetween = [\"floor\", \"box\"]\nfriction = 0.5\n"
+            ),
+        );
+        let told = bench.call(&["statics", "scene.toml", "--json"]).code(0).json();
+        assert_eq!(told["standing"]["verdict"], "stands", "{young}: {told}");
+        let weight = 9.80665 * (10.0 + 7800.0 * PI * (0.02_f64.powi(2) - 0.018_f64.powi(2)));
+        let high = told["standing"]["margins"]["push.force[0]"]["high"].as_f64().expect("a number");
+        // Conic programs are asked for eight digits of the loads.
+        assert!((high / (0.5 * weight) - 1.0).abs() < 1e-6, "{young}: {high} for {}", 0.5 * weight);
+    }
+}
+
+/// A plate on two welds with a four-bar that hangs on it: how the welds share is a convention, but one of the pose, wherever its search began.
+#[test]
+fn redundant_loops_share_by_the_pose_alone() {
+    let bench = Bench::new();
+    bench.write(
+        "scene.toml",
+        r#"
+[[body]]
+name = "plate"
+mass = 10.0
+inertia = [1.0, 1.0, 1.0]
+center = [0.3, 0.0, 0.0]
+hinge = { type = "free" }
+[[loop]]
+name = "left"
+type = "fixed"
+between = [{ body = "ground", at = [0.0, 0.0, 0.0] }, "plate"]
+[[loop]]
+name = "right"
+type = "fixed"
+between = [{ body = "ground", at = [1.0, 0.0, 0.0] }, { body = "plate", at = [1.0, 0.0, 0.0] }]
+[[body]]
+name = "crank"
+mass = 1.0
+center = [0.0, 0.0, -0.5]
+inertia = [0.1, 0.1, 0.01]
+markers = { tip = [0.0, 0.0, -3.0] }
+hinge = { type = "revolute", parent = "plate", at = [2.0, 0.5, 0.0], axis = [0.0, 1.0, 0.0], position = -1.2 }
+[[loop]]
+name = "bar"
+type = "rod"
+between = ["crank.tip", { body = "rocker", at = [0.0, 0.0, -3.0] }]
+length = 3.0
+[[body]]
+name = "rocker"
+mass = 1.0
+center = [0.0, 0.0, -0.5]
+inertia = [0.1, 0.1, 0.01]
+hinge = { type = "revolute", at = [5.0, 0.5, 0.0], axis = [0.0, 1.0, 0.0], position = -1.2 }
+"#,
+    );
+    let far = bench.call(&["statics", "scene.toml", "--json", "--save", "rest.toml"]).code(0).json();
+    let near = bench.call(&["statics", "scene.toml", "--json", "--start", "rest.toml"]).code(0);
+    assert!(!near.err.contains("warning"), "{}", near.err);
+    let near = near.json();
+    for weld in ["left", "right"] {
+        for part in ["force", "moment"] {
+            for k in 0..3 {
+                let [one, other] =
+                    [&far, &near].map(|told| told["loop_reactions"][weld][part][k].as_f64().expect("a number"));
+                // Of 108 N, at poses that differ by round-off.
+                assert!((one - other).abs() < 1e-9, "{weld} {part}[{k}]: {one} and {other}");
+            }
+        }
+    }
+}
