@@ -197,7 +197,7 @@ fn a_box_with_a_beam_stands_until_it_slides() {
     for (young, elements) in [("2e8", 8), ("2e9", 8), ("2e10", 4), ("2e11", 8), ("2e12", 8)] {
         bench.write(
             "scene.toml",
-            &format!(
+            format!(
                 "[statics]\nmargin = [\"push.force[0]\"]\n[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\n\
                  hinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"box\"\nmass = 10.0\ninertia = [0.5, 0.5, 0.5]\n\
                  shape = {{ box = [1, 1, 0.4] }}\nhinge = {{ type = \"free\", position = [0, 0, 0.2, 1, 0, 0, 0] }}\n\
