@@ -155,13 +155,16 @@ impl Equations {
         Ok(())
     }
 
-    /// The multipliers of loops, drives and gears at a state whose accelerations were asked for last, with what contacts push in them: their
-    /// forces were found by solving for other ones.
+    /// What contacts, loops, drives and gears push with at a state whose accelerations were asked for last: of forces of contacts that are not
+    /// unique those that are within their cones, and multipliers with them, which were found by solving for other ones.
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub(super) fn balance_multipliers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<(), Fault> {
+    pub(super) fn choose_forces(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<(), Fault> {
         let touches = self.contacts.as_ref().is_some_and(|contacts| contacts.pushes_any());
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take_others(&mut self.system, q, v);
+        }
         let near = self.passage.as_ref().is_none_or(Passage::is_near);
         if !touches || near {
             return Ok(());

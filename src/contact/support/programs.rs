@@ -2,6 +2,7 @@
 //! answers.
 
 mod balance;
+mod limit;
 mod questions;
 
 use super::solver::{Answer, BUILT, Program};
@@ -148,8 +149,14 @@ impl<'a> Scaled<'a> {
         self.rest(forces).iter().map(size).fold(0.0, f64::max)
     }
 
-    /// (D) for a motion: a lower bound of `τ*`, less what its rates lie outside of the dual cones times the forces.
+    /// (D) for a motion: a lower bound of `τ*`.
     fn bound(&self, motion: &[f64], forces: &[f64]) -> f64 {
+        let [surplus, growth] = self.surplus(motion, forces);
+        if growth > 0.0 { surplus / growth } else { f64::NEG_INFINITY }
+    }
+
+    /// The numerator of (D) for a motion, less what its rates lie outside of the dual cones times the forces, and its denominator.
+    fn surplus(&self, motion: &[f64], forces: &[f64]) -> [f64; 2] {
         let rates = self.rates(motion);
         let (mut work, mut growth, mut wrong) = (dot(motion, &self.load), 0.0, 0.0);
         for (i, cone) in self.cones.iter().enumerate() {
@@ -178,7 +185,7 @@ impl<'a> Scaled<'a> {
             };
             wrong += off * norm(f);
         }
-        if growth > 0.0 { (work - wrong) / growth } else { f64::NEG_INFINITY }
+        [work - wrong, growth]
     }
 }
 

@@ -49,7 +49,7 @@ mod watch;
 use crate::contact::frame::{self, Frame};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::pairs::{Key, LOOSE, Pairs, Untouchable};
-use crate::dynamics::Fault;
+use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::record::ContactPush;
@@ -374,10 +374,8 @@ impl Contacts {
     /// Couple, place and force of what bears in the last place, and whether it slips.
     fn each_push(&self, mut push: impl FnMut(usize, &Meeting, Vector3<f64>, bool)) {
         if !self.follows_steps() {
-            let others = self.others();
-            for (at, one) in self.closed.iter().enumerate().filter(|(_, closed)| closed.state != ContactState::Spare) {
-                let force = others.as_ref().map_or(one.force, |forces| forces[at]);
-                push(one.key.couple, &one.meeting, force, matches!(one.state, ContactState::Slip(_)));
+            for one in self.closed.iter().filter(|closed| closed.state != ContactState::Spare) {
+                push(one.key.couple, &one.meeting, one.force, matches!(one.state, ContactState::Slip(_)));
             }
             return;
         }
@@ -391,27 +389,21 @@ impl Contacts {
     }
 
     /// Where forces are not unique those of least norm may pull at some point, or be more than friction holds: others that are within their
-    /// cones, if they do the same to everything.
+    /// cones and accelerate everything as they do.
     fn others(&self) -> Option<Vec<Vector3<f64>>> {
         let leaves = |one: &Closed| one.may_push() && self.inward(one, &one.force) < -PULLS * self.scale;
-        if !self.closed.iter().any(leaves)
-            || self.model.is_constrained()
-            || !self.closed.iter().all(|one| self.is_free(one))
-        {
+        if !self.closed.iter().any(leaves) {
             return None;
         }
         self.best().filter(|(slack, _)| *slack >= -PULLS).map(|(_, forces)| forces)
     }
 
-    /// Whether both bodies move all ways, or none: what pushes them together follows from how they accelerate then, and so does what hinges
-    /// pass on.
-    fn is_free(&self, closed: &Closed) -> bool {
-        let links = &self.model.links;
-        self.pairs.couples[closed.key.couple].pieces.iter().all(|piece| {
-            let way = std::iter::successors(Some(self.pairs.pieces[*piece].link), |at| Some(links[*at].parent));
-            let ways: usize = way.take_while(|at| *at != 0).map(|at| links[at].joint.counts().1).sum();
-            ways == 0 || ways >= 6
-        })
+    /// Pushes with [`Contacts::others`] at the last place, so that what hinges pass on is in balance with them.
+    pub(super) fn take_others(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
+        let Some(others) = self.others().filter(|_| !self.follows_steps()) else { return };
+        self.closed.iter_mut().zip(others).for_each(|(closed, force)| closed.force = force);
+        system.let_go_of_contacts();
+        self.press(&mut system.factorized_beside(q, v));
     }
 
     /// Names of the bodies of a couple.

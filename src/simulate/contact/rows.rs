@@ -109,7 +109,7 @@ impl Contacts {
     }
 
     /// Hands the forces to the system, so that reactions and powers have them.
-    fn press(&self, mass: &mut Factorized<'_>) {
+    pub(super) fn press(&self, mass: &mut Factorized<'_>) {
         for (frame, closed) in self.frames.iter().zip(&self.closed) {
             press(mass, frame.links, &frame.meeting.point, &closed.force);
         }

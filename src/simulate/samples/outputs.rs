@@ -65,7 +65,7 @@ impl StateOutputs {
         let powers = if self.asks_power { motion.powers(time, q, v) } else { Powers::default() };
         let energies = motion.energies(time, q, v);
         motion.accelerations(time, q, v, &mut self.accelerations)?;
-        motion.balance_multipliers(time, q, v)?;
+        motion.choose_forces(time, q, v)?;
         motion.stop_forces(q, v, &mut self.stops);
         motion.contact_forces(&mut self.contacts);
         let mut at = motion.at(time, q, v);

@@ -136,7 +136,7 @@ impl Sampler {
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
-        motion.balance_multipliers(time, q, v).map_err(fault)?;
+        motion.choose_forces(time, q, v).map_err(fault)?;
         let touches = !motion.model().contacts.is_empty();
         if let Some(contacts) = &motion.contacts {
             contacts.pushes(&mut self.contacts);

@@ -42,7 +42,7 @@ pub(super) fn certificate(
     if !stands {
         (found.balanced, found.stability) = (false, None);
     }
-    found.notes.extend_from_slice(&standing.margins.undecided);
+    found.notes.extend_from_slice(&standing.margins.notes);
     Ok(found)
 }
 

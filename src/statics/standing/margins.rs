@@ -5,7 +5,7 @@ use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
 use crate::contact::support::Undecided;
 use crate::model::parameter::Field;
-use crate::model::problem::in_one_line;
+use crate::model::problem::{in_one_line, significant};
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::statics::problem::assembled::Assembled;
 use nalgebra::Vector3;
@@ -31,8 +31,9 @@ pub struct Margins {
     pub tilt: Vec<(String, f64, Vec<f64>)>,
     /// Of inputs that are unknown: the range of each, the others being free.
     pub inputs: Vec<Interval>,
-    /// Which of them no program decides, and why: the verdict stands without them.
-    pub undecided: Vec<String>,
+    /// Which of them no program decides, and why: the verdict stands without them; and from where on a scene stands only if it has been
+    /// squeezed.
+    pub notes: Vec<String>,
 }
 
 pub(super) fn margins(
@@ -43,18 +44,24 @@ pub(super) fn margins(
     bearers: &mut Bearers,
 ) -> Result<Margins, Unanswered> {
     let mut margins = Margins::default();
+    let mut unsqueezed = if asked.numbers.is_empty() { None } else { bearers.unsqueezed()? };
     for parameter in &asked.numbers {
         match interval(description, pose, bearers, parameter) {
-            Ok(range) => margins.numbers.push(range),
+            Ok(range) => {
+                if let Some(unsqueezed) = &mut unsqueezed {
+                    margins.notes.extend(squeezed(description, pose, unsqueezed, parameter, &range));
+                }
+                margins.numbers.push(range);
+            }
             Err(Unanswered::Undecided(why @ Undecided::Inexact { .. })) => {
-                margins.undecided.push(format!("the range of `{}` is not known: {why}", parameter.address));
+                margins.notes.push(format!("the range of `{}` is not known: {why}", parameter.address));
             }
             Err(why) => return Err(why),
         }
     }
     match asked.tilt.then(|| tilt(model, pose, bearers)) {
         Some(Err(Unanswered::Undecided(why @ Undecided::Inexact { .. }))) => {
-            margins.undecided.push(format!("how far it can be tilted is not known: {why}"));
+            margins.notes.push(format!("how far it can be tilted is not known: {why}"));
         }
         Some(found) => margins.tilt = found?,
         None => {}
@@ -80,6 +87,29 @@ fn interval(
         range: [(value + low.value).max(least), value + high.value],
         motions: [low.motion, high.motion],
     })
+}
+
+/// Values of a range that are nearer to each other than this part of it are one.
+const ONE: f64 = 1e-6;
+
+/// Where within a range a scene begins to stand only if it has been squeezed, of what bears without that.
+fn squeezed(
+    description: &Description,
+    pose: &[f64],
+    unsqueezed: &mut Bearers,
+    parameter: &Parameter,
+    range: &Interval,
+) -> Vec<String> {
+    let Ok(stands) = interval(description, pose, unsqueezed, parameter) else { return Vec::new() };
+    let ([low, high], [least, most]) = (range.range, stands.range);
+    let apart = |one: f64, other: f64| one != other && (one - other).abs() > ONE * one.abs().min(other.abs()).max(1e-9);
+    let note = |way: &str, value: f64| {
+        let value = significant(value, 4);
+        format!("with `{}` {way} {value} it stands only if it has been squeezed (wedged)", parameter.address)
+    };
+    let low = (least > low && apart(least, low)).then(|| note("below", least));
+    let high = (most < high && apart(most, high)).then(|| note("above", most));
+    low.into_iter().chain(high).collect()
 }
 
 /// How the load changes with a number.

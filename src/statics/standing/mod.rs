@@ -115,7 +115,7 @@ pub(super) fn equilibrium(
         // An equilibrium without friction, too: it has its modes.
         let mut found = search()?;
         if found.converged && found.position == *pose {
-            found.notes.extend_from_slice(&given.margins.undecided);
+            found.notes.extend_from_slice(&given.margins.notes);
             return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
         }
     }

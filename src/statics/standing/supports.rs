@@ -125,6 +125,13 @@ impl Bearers {
         Ok(found)
     }
 
+    /// What bears without friction that a squeeze alone may load; `None` if nothing can be squeezed.
+    pub(super) fn unsqueezed(&self) -> Result<Option<Self>, Undecided> {
+        let supports = self.supports.unsqueezed(&self.load)?;
+        let (list, load, pushed) = (self.list.clone(), self.load.clone(), self.pushed.clone());
+        Ok(supports.map(|supports| Self { supports, list, load, pushed }))
+    }
+
     /// Adds a support that bears whatever it has to along a direction of the coordinates.
     pub(super) fn free(&mut self, direction: &[f64]) {
         let column = direction.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();

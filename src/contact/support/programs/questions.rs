@@ -1,16 +1,14 @@
-//! What is asked of supports: whether they hold a load, how far it may go, how little friction does, what squeeze is needed.
+//! What is asked of supports: whether they hold a load, how little friction does, what squeeze is needed.
 
-use super::super::exchange::MOST_EXCHANGES;
-use super::super::{Certificate, Cone, Least, Limit, Standing, Supports, Undecided, Verdict};
-use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, Scaled, UNEVEN};
+use super::super::exchange::{MOST_EXCHANGES, RimSupport};
+use super::super::{Certificate, Cone, Least, Standing, Supports, Undecided, Verdict};
+use super::{AMPLE, AT_THE_LIMIT, BALANCED, Extra, Grown, Scaled, UNEVEN};
 use crate::round_off::SUPPORT_LOAD;
 
 /// Below this part of it friction is not what holds.
 const NONE: f64 = 1e-9;
 /// What does not stand with so many times its friction is not held by friction.
 const MOST_FRICTION: f64 = 1e6;
-/// A load factor that points of rims could change by no more than this part of it has settled.
-const SETTLED: f64 = 1e-8;
 /// Points of rims that a motion goes against by no more than this part of τ* do not turn its sign. More of them share what slides at
 /// many: τ* itself has no limit then.
 const SIGN: f64 = 1e-4;
@@ -35,15 +33,6 @@ struct Friction {
     slope: f64,
     /// How far the bounds are apart.
     gap: f64,
-}
-
-/// The answer to (L), scaled.
-struct Loaded {
-    limit: Limit,
-    motion: Vec<f64>,
-    forces: Vec<f64>,
-    /// α.
-    factor: f64,
 }
 
 impl Friction {
@@ -136,6 +125,25 @@ impl Supports {
         Ok(left?.lower > 0.0)
     }
 
+    /// These supports without friction where forces inside all cones can press on each other: (W); `None` if they can nowhere.
+    ///
+    /// # Errors
+    /// [`Undecided`] in a build without the solver, or if that has no answer.
+    pub fn unsqueezed(&self, load: &[f64]) -> Result<Option<Self>, Undecided> {
+        let squeezed = Scaled::new(self, load, 1.0).squeezed()?;
+        if squeezed.is_empty() {
+            return Ok(None);
+        }
+        let mut left = self.clone();
+        for support in squeezed {
+            let own = self.range(support);
+            left.columns[own.start + 1..own.end].iter_mut().for_each(Vec::clear);
+            let of = |rim: &&mut RimSupport| rim.known.iter().any(|(_, known)| *known == support);
+            left.rims.iter_mut().filter(of).for_each(|rim| rim.friction = 0.0);
+        }
+        Ok(Some(left))
+    }
+
     /// The answer to a program of (P), solved anew as long as its motion goes against points of rims that it did not have.
     fn exchanged(
         &mut self,
@@ -163,7 +171,7 @@ impl Supports {
     }
 
     /// Scaled rates in velocity coordinates.
-    fn motion(&self, scaled: &[f64]) -> Vec<f64> {
+    pub(super) fn motion(&self, scaled: &[f64]) -> Vec<f64> {
         scaled.iter().zip(&self.units).map(|(rate, unit)| rate / unit).collect()
     }
 
@@ -183,53 +191,6 @@ impl Supports {
             without_friction: true,
             certificate,
         }
-    }
-
-    /// The end of `w + α w₁`, `α` growing (`upwards`) or falling from 0, by (L).
-    ///
-    /// # Errors
-    /// [`Undecided`] if the answer misses the balance.
-    pub fn limit(&mut self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
-        for _ in 0..MOST_EXCHANGES {
-            let Loaded { limit, motion, forces, factor } = self.limit_of_known(load, direction, upwards)?;
-            let enough = SETTLED * factor.abs().max(1.0);
-            if limit.motion.is_empty() || !self.exchange(&self.motion(&motion), &forces, 1.0, enough) {
-                return Ok(limit);
-            }
-        }
-        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: 0.0, gap: SETTLED })
-    }
-
-    /// (L) with the points of rims that are known.
-    fn limit_of_known(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Loaded, Undecided> {
-        let scaled = Scaled::new(self, load, 1.0);
-        // α counts in what makes w₁ as large as w.
-        let unit = scaled.size / Some(self.size(direction)).filter(|size| *size > 0.0).unwrap_or(1.0);
-        let along: Vec<f64> =
-            direction.iter().zip(&self.units).map(|(of, row)| of * unit / (row * scaled.size)).collect();
-        let answer = scaled.answer(&scaled.program(&Extra::Along(&along, if upwards { 1.0 } else { -1.0 })))?;
-        let alpha = answer.x[self.columns.len()];
-        if alpha.abs() > 0.9 * ENDLESS {
-            let limit = Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() };
-            return Ok(Loaded { limit, motion: Vec::new(), forces: Vec::new(), factor: alpha });
-        }
-        let mut at = Scaled {
-            load: scaled.load.clone(),
-            columns: scaled.columns.clone(),
-            cones: scaled.cones.clone(),
-            ..scaled
-        };
-        at.load.iter_mut().zip(&along).for_each(|(load, along)| *load += alpha * along);
-        let mut forces = answer.x[..self.columns.len()].to_vec();
-        at.polish(&mut forces);
-        let (unbalanced, outside) = (at.unbalanced(&forces), at.outside(&forces));
-        let most = 1.0 + alpha.abs();
-        if !(unbalanced <= BALANCED * most && outside <= AT_THE_LIMIT * most) {
-            return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap: outside });
-        }
-        let motion = answer.multipliers[..self.rows].to_vec();
-        let limit = Limit { value: alpha * unit, motion: at.rates_of_coordinates(&motion) };
-        Ok(Loaded { limit, motion, forces, factor: alpha })
     }
 
     /// The smallest part of all friction at which a load is held (M), from the answer at the whole of it; `None` if no friction, however
