@@ -15,8 +15,11 @@
 //! | `hinge.force` | every hinge |
 //! | `parameters.m` | of `[parameters]`: moves all that follows from it |
 //!
-//! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
+//! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies. Where elements
+//! share a name, a number is listed by an address that leads to it alone, as `motor[0].stiffness`.
 
+mod listed;
+mod measured;
 mod named;
 mod unknown;
 mod value;
@@ -24,12 +27,9 @@ mod value;
 pub use named::{NamedNumber, NamedNumbers};
 
 use super::address::{Entry, resolve, split_component};
-use super::beam::{BeamDescription, BeamShape};
-use super::couplings::{Closure, CoordinateName, MotionDescription};
-use super::description::{BodyDescription, Description, ForceDescription};
-use super::motor::{MotorDescription, MotorLawDescription};
+use super::description::Description;
 use super::problem::Element;
-use crate::force::Describe;
+use measured::quantities;
 use unknown::{unknown_element, unknown_key};
 
 /// What a parameter measures.
@@ -149,6 +149,11 @@ impl Field {
         Self::Rate,
     ];
 
+    /// The field of elements with this key.
+    fn of(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|field| field.name() == key)
+    }
+
     /// The key in scenario files.
     pub fn name(self) -> &'static str {
         match self {
@@ -233,14 +238,23 @@ impl Parameter {
         Ok(found)
     }
 
-    /// Every single number that has an address, named ones first.
+    /// Every single number that has an address, named ones first, by the address that leads to it alone.
     pub fn all(description: &Description) -> Vec<Self> {
         let names = description.named.list().iter().filter_map(|one| named::find(description, &one.name).ok());
         let gravity = Self::find(description, Field::Gravity.name()).unwrap_or_default();
-        let of = |element: Element| {
-            Field::ALL.into_iter().flat_map(move |field| numbers(description, element, field.name()))
+        let shared = listed::shared(description);
+        let of = |entry: Entry<'_, Element>| {
+            let (element, name, is_shared) = (entry.element, entry.name.to_owned(), shared.contains(entry.name));
+            Field::ALL.into_iter().flat_map(move |field| {
+                let own = quantities(description, element, field);
+                let beginning = match is_shared && !own.is_empty() {
+                    true => listed::beginning(description, element, field),
+                    false => Some(name.clone()),
+                };
+                beginning.map_or_else(Vec::new, |beginning| called(&beginning, element, field, &own))
+            })
         };
-        names.chain(gravity).chain(entries(description).flat_map(|entry| of(entry.element))).collect()
+        names.chain(gravity).chain(entries(description).flat_map(of)).collect()
     }
 
     /// Its component: which of the numbers of its element and field.
@@ -291,19 +305,18 @@ fn entries(description: &Description) -> impl Iterator<Item = Entry<'_, Element>
 
 /// The elements that a path starts with, and the rest of it.
 fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element>, &'p str)> {
-    let has = |element: Element, rest: &str| !numbers(description, element, key_of(rest)).is_empty();
-    if let Some(target) = resolve(path, entries(description), has) {
-        return Some((vec![target.element], target.rest));
-    }
-    let rest = |name: &str| path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
-    let copies: Vec<(Element, &'p str)> = description
-        .bodies
-        .iter()
-        .enumerate()
-        .filter_map(|(i, body)| Some((Element::Body(i), rest(body.name.strip_suffix(']')?.rsplit_once('[')?.0)?)))
-        .collect();
-    if let Some((_, key)) = copies.first() {
-        return Some((copies.iter().map(|(element, _)| *element).collect(), key));
+    let has = |element: Element, rest: &str| has(description, element, key_of(rest));
+    let found = resolve(path, entries(description), has);
+    let of_copies = listed::of_template(description, path);
+    // Bodies stand before whatever else has the name of their template.
+    let is_template = found.as_ref().zip(of_copies.as_ref()).is_none_or(|(target, (copies, key))| {
+        let stands_behind = !matches!(target.element, Element::Body(_) | Element::Beam(_));
+        key.len() < target.rest.len() || key.len() == target.rest.len() && stands_behind && has(copies[0], key)
+    });
+    match (found, of_copies) {
+        (_, Some(of_copies)) if is_template => return Some(of_copies),
+        (Some(target), _) => return Some((vec![target.element], target.rest)),
+        _ => {}
     }
     let key = path.strip_prefix("hinge.")?;
     Some(((0..description.bodies.len()).map(Element::Body).collect(), key))
@@ -315,42 +328,24 @@ fn key_of(rest: &str) -> &str {
     of_material.or_else(|| rest.strip_prefix("hinge.")).unwrap_or(rest)
 }
 
-/// The numbers of an element under a key; none if it has no such key.
+/// The numbers of an element under a key, by the addresses that lead to them; none if it has no such key.
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
-    let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
-    let (name, quantities) = match element {
-        Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
-        Element::Contact(_) | Element::Output(_) | Element::Controller(_) | Element::Stage(_) => return Vec::new(),
-        Element::Motor(index) => {
-            let motor = &description.motors[index];
-            (&motor.name, of_motor(description, motor, field).into_iter().collect())
-        }
-        Element::Loop(index) => {
-            let closed = &description.loops[index];
-            let rod = matches!(closed.closure, Closure::Rod { .. }) && field == Field::Length;
-            (&closed.name, if rod { vec![Quantity::Length] } else { Vec::new() })
-        }
-        Element::Drive(index) => {
-            let drive = &description.drives[index];
-            let steady = matches!(drive.motion, MotionDescription::Rate { .. }) && field == Field::Rate;
-            (&drive.name, if steady { vec![of_rate(description, &drive.coordinate)] } else { Vec::new() })
-        }
-        Element::Body(index) => {
-            let body = &description.bodies[index];
-            (&body.name, of_body(body, field))
-        }
-        Element::Beam(index) => {
-            let beam = &description.beams[index];
-            (&beam.name, of_beam(beam, field).into_iter().collect())
-        }
-        Element::Force(index) => {
-            let force = &description.forces[index];
-            (&force.name, of_force(force, field))
-        }
-    };
+    let Some(field) = Field::of(key) else { return Vec::new() };
+    let own = quantities(description, element, field);
+    if own.is_empty() {
+        return Vec::new();
+    }
+    let beginning =
+        listed::beginning(description, element, field).unwrap_or_else(|| name(description, element).to_owned());
+    called(&beginning, element, field, &own)
+}
+
+/// The numbers of an element, of which these are the quantities, by addresses with this beginning.
+fn called(beginning: &str, element: Element, field: Field, quantities: &[Quantity]) -> Vec<Parameter> {
+    let key = field.name();
     let address = |index: usize| match quantities.len() {
-        1 => format!("{name}.{key}"),
-        _ => format!("{name}.{key}[{index}]"),
+        1 => format!("{beginning}.{key}"),
+        _ => format!("{beginning}.{key}[{index}]"),
     };
     let one = |(index, quantity): (usize, &Quantity)| Parameter {
         address: address(index),
@@ -362,59 +357,22 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     quantities.iter().enumerate().map(one).collect()
 }
 
-/// Whether a coordinate is a distance.
-fn slides(description: &Description, coordinate: &CoordinateName) -> bool {
-    let body = description.bodies.iter().find(|body| body.name == coordinate.body);
-    let unit = body.and_then(|body| Some(body.hinge.kind.velocities().get(coordinate.index)?.1));
-    unit == Some("m/s")
+/// Whether an element has numbers under a key.
+fn has(description: &Description, element: Element, key: &str) -> bool {
+    Field::of(key).is_some_and(|field| !quantities(description, element, field).is_empty())
 }
 
-fn of_rate(description: &Description, coordinate: &CoordinateName) -> Quantity {
-    if slides(description, coordinate) { Quantity::Speed } else { Quantity::TurnRate }
-}
-
-fn of_motor(description: &Description, motor: &MotorDescription, field: Field) -> Option<Quantity> {
-    let pick = |slide: Quantity, turn: Quantity| if slides(description, &motor.coordinate) { slide } else { turn };
-    match (&motor.law, field) {
-        (
-            MotorLawDescription::Constant { .. } | MotorLawDescription::Pd { .. } | MotorLawDescription::Input { .. },
-            Field::Force,
-        ) => Some(pick(Quantity::Force, Quantity::Torque)),
-        (MotorLawDescription::Pd { .. }, Field::Stiffness) => Some(pick(Quantity::Stiffness, Quantity::TurnStiffness)),
-        _ => None,
+/// The name of an element that has numbers.
+fn name(description: &Description, element: Element) -> &str {
+    match element {
+        Element::Motor(index) => &description.motors[index].name,
+        Element::Loop(index) => &description.loops[index].name,
+        Element::Drive(index) => &description.drives[index].name,
+        Element::Body(index) => &description.bodies[index].name,
+        Element::Beam(index) => &description.beams[index].name,
+        Element::Force(index) => &description.forces[index].name,
+        _ => "",
     }
-}
-
-fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
-    let (positions, velocities) = body.hinge.kind.counts();
-    let slides = body.hinge.kind.velocities().iter().map(|(_, unit)| *unit == "m/s");
-    let pick = |slide: Quantity, turn: Quantity| slides.map(move |s| if s { slide } else { turn });
-    match field {
-        Field::Mass => vec![Quantity::Mass],
-        Field::Force => pick(Quantity::Force, Quantity::Torque).collect(),
-        Field::Stiffness => pick(Quantity::Stiffness, Quantity::TurnStiffness).collect(),
-        // The numbers of a quaternion do not move one by one.
-        Field::Position | Field::Rest => {
-            let count = if positions == velocities { positions } else { positions - 4 };
-            pick(Quantity::Length, Quantity::Angle).take(count).collect()
-        }
-        Field::Gravity | Field::Young | Field::Torque | Field::Length => Vec::new(),
-        Field::Pretension | Field::Preload | Field::Rate | Field::Named => Vec::new(),
-    }
-}
-
-fn of_beam(beam: &BeamDescription, field: Field) -> Option<Quantity> {
-    let is_tensioned = beam.far.as_ref().is_some_and(|far| far.pretension.is_some());
-    match (field, &beam.shape) {
-        (Field::Length, BeamShape::Straight { .. }) if !is_tensioned => Some(Quantity::Length),
-        (Field::Pretension, _) => is_tensioned.then_some(Quantity::Force),
-        (Field::Young, _) => beam.material.map(|_| Quantity::Stress),
-        _ => None,
-    }
-}
-
-fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
-    force.kind.numbers(field.name()).into_iter().filter_map(|(_, unit)| Quantity::of_unit(unit)).collect()
 }
 
 #[cfg(test)]

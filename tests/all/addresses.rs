@@ -317,3 +317,108 @@ fn materials_are_addressed_with_and_without_their_name() {
     let (first, later, shared) = whole.overlap(&[], &["boom.young", "boom.material.young"]).expect("one number");
     assert_eq!((first, later, shared.as_str()), (0, 1, "`boom.material.young`"));
 }
+
+/// A motor, a spring, a rod and a drive with the names of bodies, a template among them, and of a contact.
+const NAMESAKES: &str = r#"
+[[body]]
+name = "arm"
+mass = 1.0
+center = [0.3, 0.0, 0.0]
+inertia = [0.1, 0.1, 0.1]
+markers = { tip = [0.6, 0.0, 0.0] }
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], position = 0.3, stiffness = 3.0, force = 0.5 }
+
+[[body]]
+name = "link"
+repeat = 2
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+markers = { tip = [0.0, 0.0, -0.5] }
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], at = [0.0, 1.0, 0.0], stiffness = 4.0, next = "tip" }
+
+[[body]]
+name = "wall"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+shape = [{ sphere = 0.1 }]
+hinge = { type = "fixed", at = [0.0, 5.0, 0.0] }
+
+[[force]]
+name = "arm"
+type = "spring"
+between = ["arm.tip", { body = "ground", at = [2.0, 0.0, 0.0] }]
+stiffness = 11.0
+length = 1.2
+
+[[motor]]
+name = "arm"
+type = "pd"
+hinge = "arm"
+target = -0.4
+stiffness = 8.0
+force = 0.2
+
+[[motor]]
+name = "link"
+type = "pd"
+hinge = "link[1]"
+target = 0.1
+stiffness = 9.0
+
+[[motor]]
+name = "wall"
+type = "constant"
+hinge = "link[0]"
+force = 0.7
+"#;
+
+/// Every number is listed by an address of its own, which is that of this number wherever it is written: of elements that share a name,
+/// too. So is a number that an address finds.
+#[test]
+fn numbers_of_namesakes_are_listed_by_addresses_of_their_own() {
+    for scene in [NAMESAKES, SCENE] {
+        let plain = read(scene, &[]).expect("the scene");
+        let mut seen = std::collections::HashSet::new();
+        for one in Parameter::all(&plain.description) {
+            assert!(seen.insert(one.address.clone()), "`{}` is listed twice", one.address);
+            assert_eq!(Parameter::find(&plain.description, &one.address), Ok(vec![one.clone()]));
+            let now = one.value(&plain.description) + 0.125;
+            let set = read(scene, &[format!("{}={now}", one.address)]).unwrap_or_else(|error| panic!("{error}"));
+            let mut expected = plain.description.clone();
+            one.set(&mut expected, now).expect("a number that can be set");
+            assert_eq!(bare(set.description), bare(expected), "{}", one.address);
+        }
+    }
+    let listed = |address: &str| {
+        let scene = read(NAMESAKES, &[]).expect("the scene").description;
+        let found = Parameter::find(&scene, address).expect(address);
+        found.into_iter().map(|one| (one.address.clone(), one.value(&scene))).collect::<Vec<_>>()
+    };
+    let one = |address: &str, value: f64| vec![(address.to_owned(), value)];
+    assert_eq!(listed("arm.stiffness"), one("arm.stiffness", 3.0));
+    assert_eq!(listed("force[0].stiffness"), one("force[0].stiffness", 11.0));
+    assert_eq!(listed("motor[0].stiffness"), one("motor[0].stiffness", 8.0));
+    // What one of them alone has needs no place.
+    assert_eq!(listed("arm.length"), one("arm.length", 1.2));
+    assert_eq!(listed("motor[1].stiffness"), one("motor[1].stiffness", 9.0));
+    assert_eq!(listed("link.stiffness").len(), 2, "the copies of the body stand before the motor");
+    // A fixed hinge has no force, but its key: `--set` asks the body.
+    assert_eq!(listed("motor[2].force"), one("motor[2].force", 0.7));
+}
+
+/// A number of the file that has no address says what to do, and that works.
+#[test]
+fn numbers_without_an_address_may_have_a_name() {
+    let plain = read(SCENE, &[]).expect("the scene");
+    for address in ["upper.center[2]", "upper.inertia[0]", "link[0].hinge.at[1]", "upper.markers.tip[2]", "servo.limit"]
+    {
+        let unknown = Parameter::find(&plain.description, address).expect_err(address);
+        assert!(unknown.message.contains("is no number that can be addressed here"), "{unknown:?}");
+        assert!(unknown.help.expect("help").contains("take `parameters.name`"), "{address}");
+    }
+    let named = SCENE.replacen("center = [0.0, 0.0, -0.5]", "center = [0.0, 0.0, \"{low}\"]", 1);
+    let named = read(&format!("parameters = {{ low = -0.5 }}\n{named}"), &[]).expect("a scene");
+    let mut moved = named.description.clone();
+    Parameter::find(&moved, "parameters.low").expect("a number")[0].set(&mut moved, -0.75).expect("a scene");
+    assert_eq!(moved.bodies[0].mass.center.z, -0.75);
+}

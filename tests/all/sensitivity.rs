@@ -391,3 +391,30 @@ fn the_program_prints_and_gives_json() {
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8(unknown.stderr).unwrap().contains("did you mean `length`?"));
 }
+
+/// Derivatives by numbers of elements that share a name stand under the addresses that reach these numbers.
+#[test]
+fn namesakes_have_derivatives_of_their_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[[body]]\nname = \"arm\"\nmass = 1.0\ncenter = [0.3, 0, 0]\ninertia = [0.1, 0.1, 0.1]\n\
+        hinge = { type = \"revolute\", axis = [0, 1, 0], position = 0.3, stiffness = 3.0, force = 0.5 }\n\
+        [[motor]]\nname = \"arm\"\ntype = \"pd\"\nhinge = \"arm\"\ntarget = -0.4\nstiffness = 8.0\nforce = 0.2\n\
+        [[output]]\nname = \"q\"\ntype = \"coordinate\"\nof = \"arm\"\n";
+    let path = folder.path().join("arm.toml");
+    std::fs::write(&path, scene).expect("a file");
+    let call = |more: &[&str]| -> Value {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
+        let output = command.arg("statics").arg(&path).arg("--json").args(more).output().expect("the program starts");
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let listed = call(&["--sensitivity", "q"])["sensitivities"]["q"].clone();
+    for (address, value) in
+        [("arm.stiffness", 3.0), ("motor[0].stiffness", 8.0), ("arm.force", 0.5), ("motor[0].force", 0.2)]
+    {
+        let at =
+            |value: f64| call(&["--set", &format!("{address}={value}")])["outputs"]["q"].as_f64().expect("an output");
+        let difference = (at(value + 1e-3) - at(value - 1e-3)) / 2e-3;
+        let found = listed[address].as_f64().unwrap_or_else(|| panic!("{address} is not in {listed}"));
+        assert!((found / difference - 1.0).abs() < 1e-4, "{address}: {found} {difference}");
+    }
+}

@@ -5,7 +5,7 @@
 
 use super::super::description::Description;
 use super::super::problem::Element;
-use super::{Field, Parameter, Quantity, UnknownAddress, numbers};
+use super::{Field, Parameter, Quantity, UnknownAddress, called, quantities};
 use crate::suggest::closest;
 use std::fmt;
 use std::sync::Arc;
@@ -111,7 +111,7 @@ fn carry(from: &Description, before: &Description, to: &mut Description) -> Resu
     }
     for element in elements(from) {
         for field in Field::ALL {
-            for number in numbers(from, element, field.name()) {
+            for number in called("", element, field, &quantities(from, element, field)) {
                 let value = number.value(from);
                 if value != number.value(before) {
                     number.put(to, value);

@@ -48,9 +48,57 @@ pub(super) fn unknown_key(description: &Description, elements: &[Element], key: 
     let element = element.or(elements.first().copied()).unwrap_or(Element::Scene);
     let has = Field::ALL.into_iter().filter(|field| !numbers(description, element, field.name()).is_empty());
     let names: Vec<&str> = has.map(Field::name).collect();
+    if of_file(element, key) {
+        return UnknownAddress {
+            message: format!("`{address}`: `{key}` is no number that can be addressed here"),
+            help: Some(format!(
+                "such a number can be set (`--set`), or follow from `[parameters]`: give it a name there, and take \
+                 `parameters.name`; addressed here are `{}`",
+                names.join("`, `")
+            )),
+        };
+    }
     let help = match closest(key, names.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("its numbers that statics feels are `{}`", names.join("`, `")),
     };
     UnknownAddress { message: format!("`{address}`: it has no number `{key}`"), help: Some(help) }
+}
+
+/// Whether an element of this kind may have numbers under a key in scenario files, for which there is no [`Field`].
+fn of_file(element: Element, key: &str) -> bool {
+    let first = key.split(['.', '[']).next().unwrap_or_default();
+    let keys: &[&str] = match element {
+        Element::Body(_) => &[
+            "armature",
+            "at",
+            "axes",
+            "axis",
+            "burn",
+            "center",
+            "curve",
+            "damping",
+            "density",
+            "friction",
+            "inertia",
+            "limits",
+            "markers",
+            "modal_damping",
+            "next",
+            "pitch",
+            "ratio",
+            "rpy",
+            "shape",
+            "velocity",
+        ],
+        Element::Beam(_) => &["curve", "damping", "load", "markers", "mass_per_length", "material", "section", "twist"],
+        Element::Force(_) => &["between", "damping", "extension", "on", "over_time", "rate", "rpy", "through"],
+        Element::Loop(_) => &["axes", "axis", "between", "rpy", "rpy_second"],
+        Element::Drive(_) => {
+            &["amplitude", "begin", "duration", "frequency", "offset", "phase", "times", "to", "values"]
+        }
+        Element::Motor(_) => &["at", "damping", "forces", "limit", "target"],
+        _ => &[],
+    };
+    keys.contains(&first)
 }
