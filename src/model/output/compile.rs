@@ -12,7 +12,7 @@ use super::{
 };
 use crate::formula::Formula;
 use nalgebra::{UnitQuaternion, Vector3};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The most numbers that the outputs of a scene may have.
 const MOST_NUMBERS: usize = 100_000;
@@ -63,7 +63,10 @@ pub(in crate::model) fn compile(
         let message = format!("the outputs have {first} numbers, more than {MOST_NUMBERS}");
         return vec![Problem { element: Element::Scene, field: "output".to_owned(), message, help: None }];
     }
-    let problems = expressions(description, &mut outputs);
+    let mut problems = shared_names(&outputs);
+    if problems.is_empty() {
+        problems = expressions(description, &mut outputs);
+    }
     model.outputs = outputs;
     problems
 }
@@ -287,6 +290,22 @@ fn slides(model: &Model, velocity: usize) -> bool {
 fn six(component: Option<usize>) -> Vec<String> {
     let all = ["N", "N", "N", "N m", "N m", "N m"].map(str::to_owned);
     component.map_or_else(|| all.to_vec(), |index| vec![all[index].clone()])
+}
+
+/// Outputs with the name of a number of another one: recordings, tables and formulas know numbers by name.
+fn shared_names(outputs: &[Output]) -> Vec<Problem> {
+    let several = outputs.iter().filter(|output| output.units.len() > 1);
+    let numbers: HashMap<String, &str> =
+        several.flat_map(|output| output.labels().map(|label| (label, output.name.as_str()))).collect();
+    let named =
+        outputs.iter().enumerate().filter_map(|(index, output)| Some((index, output, numbers.get(&output.name)?)));
+    let problem = |(index, output, of): (usize, &Output, &&str)| Problem {
+        element: Element::Output(index),
+        field: "name".to_owned(),
+        message: format!("an output cannot be called `{}`: that is a number of the output `{of}`", output.name),
+        help: Some(format!("give it another name, or leave it out: `{}` can be asked for by this name", output.name)),
+    };
+    named.map(problem).collect()
 }
 
 /// Reads the formulas of expressions, and orders them: each follows from others of lower depth.

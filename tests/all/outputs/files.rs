@@ -90,6 +90,28 @@ fn outputs_that_follow_from_each_other_are_named() {
     assert!(wrong(twice).contains("two outputs are called `p`"), "{}", wrong(twice));
 }
 
+/// What has several numbers names each of them: no other output is called so, in whatever order they stand.
+#[test]
+fn no_output_is_called_like_a_number_of_another() {
+    let tip = "name = \"tip\"\ntype = \"position\"\nof = \"arm.tip\"";
+    let other = "name = \"tip[0]\"\ntype = \"coordinate\"\nof = \"arm\"";
+    for both in [[tip, other], [other, tip]] {
+        let told = wrong(&both.join("\n[[output]]\n"));
+        for part in ["cannot be called `tip[0]`", "a number of the output `tip`", "another name", "s.toml:"] {
+            assert!(told.contains(part), "{part}: {told}");
+        }
+    }
+    // One number has no index, and three end before the fourth.
+    let fine = |name: &str, of: &str| {
+        let text = format!(
+            "{ARM}[[output]]\nname = \"tip\"\n{of}\n[[output]]\nname = \"{name}\"\ntype = \"coordinate\"\nof = \"arm\"\n"
+        );
+        parse("s.toml", &text, &[]).expect("fine");
+    };
+    fine("tip[0]", "type = \"coordinate\"\nof = \"arm\"");
+    fine("tip[3]", "type = \"position\"\nof = \"arm.tip\"");
+}
+
 #[test]
 fn events_watch_outputs_by_name() {
     let with = |event: &str| {
