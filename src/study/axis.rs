@@ -40,6 +40,7 @@ impl Axis {
         if values.iter().any(String::is_empty) {
             return Err(format!("a value is missing in `{written}`"));
         }
+        have_units_together(&values)?;
         Ok(Self { path: path.to_owned(), values })
     }
 
@@ -86,6 +87,25 @@ fn split(text: &str, separator: char) -> Vec<&str> {
     }
     values.push(text[start..].trim());
     values
+}
+
+/// Refuses a list in which some numbers have units and others none: one unit after the last number reads as that of all.
+fn have_units_together(values: &[String]) -> Result<(), String> {
+    let unit = |value: &String| {
+        let text = word(value);
+        Quantity::parse(text).ok().map(|found| text[found.unit_start..].trim().to_owned())
+    };
+    let Some(units) = values.iter().map(unit).collect::<Option<Vec<_>>>() else { return Ok(()) };
+    let Some(bare) = units.iter().position(String::is_empty) else { return Ok(()) };
+    let Some(with) = units.iter().rposition(|unit| !unit.is_empty()) else { return Ok(()) };
+    let (number, other, unit) = (word(&values[bare]), word(&values[with]), &units[with]);
+    let comma = match values {
+        [_, _] => "; in a number with decimals the point is `.`",
+        _ => "",
+    };
+    Err(format!(
+        "`{number}` has no unit, and `{other}` has one: write the unit on each value, as `{number} {unit},{other}`{comma}"
+    ))
 }
 
 /// A range of numbers, in one unit where they have one: both ends have the same.
@@ -144,11 +164,20 @@ mod tests {
         assert_eq!(Axis::parse("a=\"1 m, 2 m\"").expect("a list").values, ["1 m", "2 m"]);
         assert_eq!(Axis::parse("a=\"1 m\",\"2 m\"").expect("a list").values, ["\"1 m\"", "\"2 m\""]);
         assert_eq!(Axis::parse("f=\"a:b\", 'c, d'").expect("texts").values, ["\"a:b\"", "'c, d'"]);
+        for (mixed, said) in [
+            ("a=1,2,3 g", "`1` has no unit, and `3 g` has one: write the unit on each value, as `1 g,3 g`"),
+            ("a=1 mm, 2", "`2` has no unit, and `1 mm` has one"),
+            ("a=\"0, 5 deg\"", "`0` has no unit, and `5 deg` has one"),
+            ("a=3,5 mm", "in a number with decimals the point is `.`"),
+        ] {
+            let why = Axis::parse(mixed).expect_err(mixed);
+            assert!(why.contains(said), "{mixed}: {why}");
+        }
         for wrong in ["a", "=1", "a=", "a=1:2", "a=1:2:0", "a=1:x:3", "a=1:2:3:4", "a=nan:1:2", "a=0 deg:1:3", "a=1,,2"]
         {
             assert!(Axis::parse(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(Axis::parse("a=1 mm, 2").expect("a list").numbers(), Some(vec![0.001, 2.0]));
+        assert_eq!(Axis::parse("a=1 mm, 2 m").expect("a list").numbers(), Some(vec![0.001, 2.0]));
         assert_eq!(Axis::parse("s=any, stable").expect("a list").numbers(), None);
     }
 }
