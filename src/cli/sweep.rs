@@ -243,6 +243,9 @@ fn refuse_unheeded(arguments: &Arguments, scenario: &Scenario, set: &[Override])
             bail!("`{path}` is set and varied at once: leave out `--set` or `{option}`");
         }
         let why = match path.split(['.', '[']).next().unwrap_or_default() {
+            // Least, largest and mean square of outputs are those of the samples, and so is the drift of the energy.
+            "record" if *path == "record.rate" && arguments.run => continue,
+            "record" if *path == "record.rate" => "only the cases of `--run` have samples",
             "record" => "a sweep records nothing",
             "title" => "nothing depends on it",
             "simulate" if !arguments.run => "only `--run` simulates the cases",

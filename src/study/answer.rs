@@ -8,11 +8,10 @@ use crate::dynamics::System;
 use crate::force::Act;
 use crate::model::description::StageDescription;
 use crate::model::output::{Output, Source};
-use crate::model::{Element, Model, Problem, Quantity, Side};
+use crate::model::{Model, Quantity, Side};
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
 use crate::statics::{Equilibrium, Stability, most_modes, standing};
-use std::collections::HashSet;
 use std::sync::Arc;
 
 /// What is asked of a case.
@@ -58,47 +57,19 @@ pub fn cells(scenario: &Scenario, answer: &Answer, question: &Question) -> Vec<C
     cells
 }
 
-/// What is wrong with the names of outputs: they are those of other columns, in a table that has these `beside` the answers.
-pub fn clashes(scenario: &Scenario, model: &Model, question: &Question, beside: &[Column]) -> Vec<Problem> {
-    let own = output_columns(model, question).count();
-    let answers = columns(scenario, model, question);
-    let others = &answers[..answers.len() - own];
-    let taken: HashSet<&str> = beside.iter().chain(others).map(|column| column.name.as_str()).collect();
-    let mut problems: Vec<Problem> = Vec::new();
-    for one in output_columns(model, question).filter(|one| taken.contains(one.name.as_str())) {
-        let (element, name) = (Element::Output(one.output), &model.outputs[one.output].name);
-        if problems.last().is_some_and(|last| last.element == element) {
-            continue;
-        }
-        problems.push(Problem {
-            element,
-            field: "name".to_owned(),
-            message: format!(
-                "an output cannot be called `{name}` in a sweep, whose table has a column `{}` of something else",
-                one.name
-            ),
-            help: Some(
-                "give it another name: that is one of a coordinate, a force, what is varied, or of every case"
-                    .to_owned(),
-            ),
-        });
-    }
-    problems
-}
-
 /// A column of an output.
-struct OutputColumn<'a> {
+pub(super) struct OutputColumn<'a> {
     /// The output, by its index.
-    output: usize,
+    pub(super) output: usize,
     /// Its place in [`Answer::outputs`].
     place: usize,
-    name: String,
+    pub(super) name: String,
     unit: &'a str,
 }
 
 /// The columns of the outputs of a scene: at the equilibrium, or over the run. What is called like the column that it has anyway has no
 /// second one.
-fn output_columns<'a>(model: &'a Model, question: &Question) -> impl Iterator<Item = OutputColumn<'a>> {
+pub(super) fn output_columns<'a>(model: &'a Model, question: &Question) -> impl Iterator<Item = OutputColumn<'a>> {
     let run = question.run;
     let parts: &[&str] = if run { &[".end", ".min", ".max", ".rms"] } else { &[""] };
     let numbers = model.outputs.iter().enumerate().flat_map(|(output, one)| {
@@ -364,7 +335,7 @@ impl<'a> Listing<'a, '_> {
 }
 
 /// The stages of a scene, each with the outputs that are told with it.
-fn told(model: &Model) -> impl Iterator<Item = (&StageDescription, &Output)> {
+pub(super) fn told(model: &Model) -> impl Iterator<Item = (&StageDescription, &Output)> {
     let stages = model.stages.iter().flat_map(|whole| &whole.stages);
     stages.flat_map(|stage| {
         let of_it = model.outputs.iter().filter(|output| stage.outputs.contains(&output.name));

@@ -2,6 +2,7 @@
 
 use super::answer::{self, Answer, Question};
 use super::axis;
+use super::clash;
 use super::column::{Cell, Column, Kind};
 use super::plan::{Plan, Value, texts};
 use crate::constraint;
@@ -104,12 +105,19 @@ impl Cases {
         let beside: Vec<Column> = columns.iter().chain([&last]).cloned().collect();
         for (scenario, set) in &scenes {
             let Ok(model) = Model::build(&scenario.description) else { continue };
-            let clashes = answer::clashes(scenario, &model, &cases.question, &beside);
+            let clashes = clash::clashes(scenario, &model, &cases.question, &beside);
             if !clashes.is_empty() {
                 return Err(Refusal::Problems(locate(scenario, set, clashes)));
             }
             let own = answer::columns(scenario, &model, &cases.question);
-            unique(&own)?;
+            let all: Vec<Column> = beside.iter().chain(&own).cloned().collect();
+            if let Some(twice) = twice(&all) {
+                let problems = clash::twice(&model, &twice.name);
+                return Err(match problems.is_empty() {
+                    true => refused(twice),
+                    false => Refusal::Problems(locate(scenario, set, problems)),
+                });
+            }
             for column in own {
                 if !columns[inputs..].iter().any(|other| other.name == column.name) {
                     columns.push(column);
@@ -117,7 +125,9 @@ impl Cases {
             }
         }
         columns.push(last);
-        unique(&columns)?;
+        if let Some(twice) = twice(&columns) {
+            return Err(refused(twice));
+        }
         cases.columns = columns;
         cases.direct = cases.directly();
         cases.together = cases.may_go_together();
@@ -353,15 +363,17 @@ impl Direct {
 }
 
 /// Refuses columns of one name.
-fn unique(columns: &[Column]) -> Result<(), Refusal> {
+/// A column whose name another one before it has.
+fn twice(columns: &[Column]) -> Option<&Column> {
     let mut names = HashSet::new();
-    match columns.iter().find(|column| !names.insert(column.name.as_str())) {
-        Some(twice) => Err(Refusal::Plan(format!(
-            "two columns would be called `{}`: what is varied, what is unknown and what is answered need names of their own",
-            twice.name
-        ))),
-        None => Ok(()),
-    }
+    columns.iter().find(|column| !names.insert(column.name.as_str()))
+}
+
+fn refused(twice: &Column) -> Refusal {
+    Refusal::Plan(format!(
+        "two columns would be called `{}`: what is varied, what is unknown and what is answered need names of their own",
+        twice.name
+    ))
 }
 
 /// A case without any answer.

@@ -29,6 +29,7 @@ pub mod additive;
 pub mod answer;
 pub mod axis;
 pub mod case;
+mod clash;
 pub mod column;
 pub mod correlation;
 #[cfg(feature = "parquet")]

@@ -190,7 +190,8 @@ fn nothing_is_varied_in_vain() {
     refused(&twice, "varies `pan.hinge.stiffness` twice");
     refused(&["scale.toml", "--set", "pan.mass=5", "--over", "pan.mass=1,2"], "set and varied at once");
     refused(&["scale.toml", "--over", "simulate.duration=1,2"], "only `--run` simulates");
-    refused(&["scale.toml", "--over", "record.rate=1,2", "--run"], "records nothing");
+    refused(&["scale.toml", "--over", "record.rate=1,2"], "only the cases of `--run` have samples");
+    refused(&["scale.toml", "--over", "record.ros=true,false", "--run"], "records nothing");
     let given = ["scale.toml", "--set", "simulate.start=given", "--run", "--over", "statics.want=any,stable"];
     refused(&given, "without statics");
     bench.call(&["sweep", "scale.toml", "--run", "--over", "simulate.duration=0.1,0.2"]).code(0);
@@ -345,4 +346,70 @@ fn outputs_may_be_called_like_the_column_that_they_are() {
         }
     }
     assert!(!bench.path().join("other").exists());
+}
+
+/// Columns of elements that would have one name: the file, the line and both elements are named.
+#[test]
+fn elements_whose_columns_would_have_one_name_are_named() {
+    let bench = Bench::new();
+    let body = |name: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1.0\ncenter = [0, 0, -0.5]\ninertia = [0.1, 0.1, 0.1]\n\
+                 hinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\n"
+        )
+    };
+    let drive = "[[drive]]\nname = \"angle\"\ntype = \"rate\"\nhinge = \"b\"\nrate = 1.0\n";
+    let motor = "[[motor]]\nname = \"angle\"\ntype = \"constant\"\nhinge = \"b\"\nforce = 1.0\n";
+    for (kind, list, element) in [("drive", "drives", drive), ("motor", "motors", motor)] {
+        let text = [body("b"), body(list), element.to_owned()].concat();
+        let line = text.lines().position(|line| line == "name = \"angle\"").expect("a line") + 1;
+        bench.write("scene.toml", &text);
+        let error = bench.call(&["sweep", "scene.toml", "--over", "b.mass=1,2"]).code(2).err;
+        for part in [
+            &format!("scene.toml:{line}:"),
+            &format!("would be called `{list}.angle`"),
+            &format!("the {kind} `angle`"),
+            &format!("the coordinate `angle` of the body `{list}`"),
+            "give one of them another name",
+        ] {
+            assert!(error.contains(part), "{part}: {error}");
+        }
+    }
+}
+
+/// A list has units on all of its numbers or on none: one unit at its end reads as that of all.
+#[test]
+fn units_stand_on_every_value_of_a_list() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let over = |values: &str| bench.call(&["sweep", "scale.toml", "--over", &format!("pan.mass={values}"), "--json"]);
+    for (values, said) in [
+        ("1,2,3 g", "`1` has no unit, and `3 g` has one: write the unit on each value"),
+        ("1 g,2,3 g", "`2` has no unit, and `3 g` has one"),
+        ("3,5 kg", "in a number with decimals the point is `.`"),
+    ] {
+        let error = over(values).code(2).err;
+        assert!(error.contains(said), "{values}: {error}");
+    }
+    let cases = over("1000 g,2 kg").code(0).json()["cases"].clone();
+    let masses: Vec<_> = (0..2).map(|case| cases[case]["values"]["pan.mass"].clone()).collect();
+    assert!(masses.iter().all(|mass| !mass.is_null()), "{cases}");
+    over("1,2,3").code(0);
+}
+
+/// Least, largest and mean square of outputs are those of the samples: how many these are does change them.
+#[test]
+fn runs_may_differ_in_their_samples() {
+    let bench = Bench::new();
+    let output = "[[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n";
+    let start = "[simulate]\nduration = 1.0\nstart = \"given\"\n";
+    bench.write("scale.toml", format!("{start}{SCALE}{output}"));
+    let swept = bench.call(&["sweep", "scale.toml", "--run", "--over", "record.rate=3,50", "--json"]).code(0).json();
+    let rms = |case: usize| swept["cases"][case]["result"]["z.rms"].as_f64().expect("a number");
+    for (case, rate) in ["record.rate=3", "record.rate=50"].into_iter().enumerate() {
+        let alone = ["sweep", "scale.toml", "--run", "--over", "pan.mass=1", "--set", rate, "--json"];
+        let alone = bench.call(&alone).code(0).json();
+        assert_eq!(alone["cases"][0]["result"]["z.rms"].as_f64(), Some(rms(case)), "{rate}");
+    }
+    assert!((rms(0) / rms(1) - 1.0).abs() > 1e-3, "{swept}");
 }
