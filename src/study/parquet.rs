@@ -7,12 +7,13 @@ use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{FileMetaData, KeyValue};
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnPath;
+use sha2::{Digest, Sha256};
 use std::fs::File;
-use std::io::Write;
+use std::io::{self, Read, Seek, Write};
 use std::sync::Arc;
 
 /// How files of numbers that hardly ever repeat are written.
@@ -25,6 +26,30 @@ pub fn properties() -> WriterPropertiesBuilder {
 
 /// Key of the number of failed cases in the metadata of a file.
 const FAILED: &str = "failed";
+
+/// Key of the number of bytes before the metadata, and of their SHA-256, in the metadata of a file: Parquet's own checksums of pages are
+/// not written by the library.
+const SUM: &str = "sha256";
+
+/// A file, and the hash of what has been written to it.
+struct Summed<W> {
+    file: W,
+    sum: Sha256,
+    bytes: u64,
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(buffer)?;
+        self.sum.update(&buffer[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
 
 /// Writes rows as one file.
 ///
@@ -45,25 +70,63 @@ pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Resul
     for column in columns.iter().filter(|column| column.kind == Kind::Word) {
         properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone()]), true);
     }
+    let file = Summed { file, sum: Sha256::new(), bytes: 0 };
     let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties.build()))?;
     let arrays = columns.iter().enumerate().map(|(index, column)| array(column.kind, index, rows)).collect();
     writer.write(&RecordBatch::try_new(schema, arrays)?)?;
+    writer.flush()?;
+    writer.sync()?;
+    let Summed { sum, bytes, .. } = writer.inner();
+    let sum = format!("{bytes} {}", hex(sum.clone()));
+    writer.append_key_value_metadata(KeyValue::new(SUM.to_owned(), sum));
     writer.into_inner()?.flush()?;
     Ok(())
+}
+
+fn hex(sum: Sha256) -> String {
+    sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// How many rows a file has, and how many of these cases failed.
 ///
 /// # Errors
-/// If it is no file of [`write`](fn@write).
+/// If it is no file of [`write`](fn@write), or its bytes are others than those that were written.
 pub fn failed(file: File) -> Result<(u64, u64), ParquetError> {
-    let reader = SerializedFileReader::new(file)?;
-    let pairs = reader.metadata().file_metadata().key_value_metadata();
-    let value = pairs.into_iter().flatten().find(|pair| pair.key == FAILED).and_then(|pair| pair.value.as_ref());
-    let rows = u64::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
-    value.and_then(|text| text.parse().ok()).map(|failed| (rows, failed)).ok_or_else(|| {
+    let metadata = checked(file)?;
+    let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
+    value(&metadata, FAILED).and_then(|text| text.parse().ok()).map(|failed| (rows, failed)).ok_or_else(|| {
         ParquetError::General("it does not say how many cases failed: it is no part of a study".to_owned())
     })
+}
+
+/// The metadata of a file whose bytes are those that were written, if it says which: parts of earlier versions do not.
+///
+/// # Errors
+/// If it is no Parquet file, or its bytes are others.
+pub fn checked(file: File) -> Result<FileMetaData, ParquetError> {
+    let reader = SerializedFileReader::new(file.try_clone()?)?;
+    let metadata = reader.metadata().file_metadata().clone();
+    if let Some(sum) = value(&metadata, SUM) {
+        check_sum(file, sum)?;
+    }
+    Ok(metadata)
+}
+
+fn value<'m>(metadata: &'m FileMetaData, key: &str) -> Option<&'m str> {
+    metadata.key_value_metadata().into_iter().flatten().find(|pair| pair.key == key)?.value.as_deref()
+}
+
+/// Refuses a file whose first bytes have another sum than it says.
+fn check_sum(mut file: File, said: &str) -> Result<(), ParquetError> {
+    let bytes = said.split_once(' ').and_then(|(bytes, _)| bytes.parse().ok()).unwrap_or(u64::MAX);
+    file.rewind()?;
+    let mut found = Summed { file: io::sink(), sum: Sha256::new(), bytes: 0 };
+    io::copy(&mut file.take(bytes), &mut found)?;
+    let Summed { sum, bytes, .. } = found;
+    match said == format!("{bytes} {}", hex(sum)) {
+        true => Ok(()),
+        false => Err(ParquetError::General("its bytes are not those that were written".to_owned())),
+    }
 }
 
 fn data_type(kind: Kind) -> DataType {

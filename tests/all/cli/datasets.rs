@@ -325,7 +325,7 @@ fn any_threads_and_any_shards_give_the_same_rows() {
     assert!(rows(&bench.path().join("seed")).iter().zip(&exact).all(|(a, b)| a["pan.mass"] != b["pan.mass"]));
 }
 
-/// A part that was cut off, damaged at its end, or holds other rows is told, with what to do, by whoever comes to it; done so, the dataset
+/// A part that was cut off, damaged at its end or within its numbers, or is none is told, with what to do, by whoever comes to it; done so, the dataset
 /// is whole again.
 #[test]
 fn a_damaged_part_is_told_and_made_again() {
@@ -339,11 +339,17 @@ fn a_damaged_part_is_told_and_made_again() {
     let part = bench.path().join("d/part-0000002.parquet");
     let whole = std::fs::read(&part).expect("a part");
     let mut random = Random::new(7);
-    for kind in 0..12 {
+    for kind in 0..16 {
         let cut = random.below(whole.len());
-        let damaged = match kind % 3 {
+        let damaged = match kind % 4 {
             0 => whole[..cut].to_vec(),
             1 => [&whole[..whole.len() - 8], &[0xff; 8]].concat(),
+            2 => {
+                // One bit among the numbers, which begin after the first four bytes.
+                let mut flipped = whole.clone();
+                flipped[4 + cut % 200] ^= 1 << random.below(8);
+                flipped
+            }
             _ => b"no Parquet".to_vec(),
         };
         std::fs::write(&part, damaged).expect("damaged");
