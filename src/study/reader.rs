@@ -1,15 +1,17 @@
 //! Reading the columns of a dataset, part by part: nothing is kept.
 
 use super::dataset::MANIFEST;
+use super::parquet as part;
 use super::sample::Sampling;
 use super::variance::Spread;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array, ArrayRef};
+use arrow_array::{Array, ArrayRef, BooleanArray};
 use arrow_schema::DataType;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -25,13 +27,38 @@ pub struct Reader {
     pub spread: Spread,
     /// Names and units of its columns of numbers, in order.
     pub numbers: Vec<(String, String)>,
+    /// The words of those of its inputs that are no numbers.
+    pub words: Vec<Words>,
+}
+
+/// The words that a column holds.
+#[derive(Debug)]
+pub struct Words {
+    /// The column.
+    pub name: String,
+    /// In the order in which they first appear.
+    pub all: Vec<String>,
+    places: HashMap<String, usize>,
+}
+
+impl Words {
+    fn of(name: &str) -> Self {
+        Self { name: name.to_owned(), all: Vec::new(), places: HashMap::new() }
+    }
+
+    fn add(&mut self, word: &str) {
+        if !self.places.contains_key(word) {
+            self.places.insert(word.to_owned(), self.all.len());
+            self.all.push(word.to_owned());
+        }
+    }
 }
 
 impl Reader {
     /// Opens a folder.
     ///
     /// # Errors
-    /// If it holds no dataset, or one without any part.
+    /// If it holds no dataset, one without any part, or a part that is damaged.
     pub fn open(folder: &Path) -> Result<Self, String> {
         let path = folder.join(MANIFEST);
         let text = fs::read_to_string(&path).map_err(|error| {
@@ -50,30 +77,63 @@ impl Reader {
         if parts.is_empty() {
             return Err(format!("`{}` has no part yet", folder.display()));
         }
-        Ok(Self {
+        for path in &parts {
+            File::open(path).map_err(Into::into).and_then(part::checked).map_err(|error| damaged(path, &error))?;
+        }
+        let inputs: Vec<String> = texts(&manifest["inputs"]).iter().map(text).collect();
+        let are_words = columns.iter().filter(|column| column["kind"] == "word").map(|column| text(&column["name"]));
+        let of_words: Vec<String> = are_words.filter(|name| inputs.contains(name)).collect();
+        let mut reader = Self {
             parts,
             cases: manifest["cases"].as_u64().unwrap_or_default(),
-            inputs: texts(&manifest["inputs"]).iter().map(text).collect(),
+            inputs,
             spread: match manifest["sample"].as_str() {
                 Some(name) if name == Sampling::Sobol.name() => Spread::Even,
                 _ => Spread::Chance,
             },
             numbers: columns.iter().filter(is_number).map(|one| (text(&one["name"]), text(&one["unit"]))).collect(),
-        })
+            words: Vec::new(),
+        };
+        for name in of_words {
+            let mut words = Words::of(&name);
+            reader.batches(&[&name], &mut |_, columns| {
+                columns[0].as_string_opt::<i32>().into_iter().flatten().flatten().for_each(|word| words.add(word));
+            })?;
+            reader.words.push(words);
+        }
+        Ok(reader)
     }
 
-    /// Hands over these columns of every row: whether the case was answered, and its numbers, NaN for an empty cell.
+    /// Hands over these columns of every row: whether the case was answered, and its numbers, NaN for an empty cell; of an input of
+    /// words the place of the word in [`Words::all`].
     ///
     /// # Errors
     /// If a part cannot be read, or has no such column.
     pub fn each(&self, columns: &[&str], take: &mut dyn FnMut(bool, &[f64])) -> Result<(), String> {
         let mut row = vec![0.0; columns.len()];
+        let words: Vec<Option<&Words>> =
+            columns.iter().map(|name| self.words.iter().find(|words| words.name == *name)).collect();
+        self.batches(columns, &mut |ok, found| {
+            let numbers = found.iter().zip(&words).map(|(column, words)| match words {
+                Some(words) => places(column, words),
+                None => doubles(column),
+            });
+            let numbers: Vec<Vec<f64>> = numbers.collect();
+            for index in 0..ok.len() {
+                for (cell, numbers) in row.iter_mut().zip(&numbers) {
+                    *cell = numbers[index];
+                }
+                take(ok.value(index), &row);
+            }
+        })
+    }
+
+    /// Hands over these columns batch by batch, after whether the cases were answered.
+    fn batches(&self, columns: &[&str], take: &mut dyn FnMut(&BooleanArray, &[ArrayRef])) -> Result<(), String> {
         for path in &self.parts {
             let failed = |error: &dyn std::fmt::Display| format!("`{}`: {error}", path.display());
             let file = File::open(path).map_err(|error| failed(&error))?;
-            let damaged = |error: &dyn std::fmt::Display| {
-                format!("`{}` is damaged: {error}; delete it, and `sweep --resume` computes it again", path.display())
-            };
+            let damaged = |error: &dyn std::fmt::Display| damaged(path, error);
             let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(&error))?;
             let place = |name: &str| {
                 let fields = builder.schema().fields();
@@ -90,21 +150,25 @@ impl Reader {
                 };
                 let ok = column("ok")?;
                 let ok = ok.as_boolean_opt().ok_or_else(|| failed(&"`ok` is not yes or no"))?;
-                let numbers = columns.iter().map(|name| column(name).map(doubles)).collect::<Result<Vec<_>, _>>()?;
-                for index in 0..batch.num_rows() {
-                    for (cell, numbers) in row.iter_mut().zip(&numbers) {
-                        *cell = numbers[index];
-                    }
-                    take(ok.value(index), &row);
-                }
+                take(ok, &columns.iter().map(|name| column(name)).collect::<Result<Vec<_>, _>>()?);
             }
         }
         Ok(())
     }
 }
 
+fn damaged(path: &Path, error: &dyn std::fmt::Display) -> String {
+    format!("`{}` is damaged: {error}; delete it, and `sweep --resume` computes it again", path.display())
+}
+
+/// The places of a column's words, NaN for empty cells.
+fn places(column: &ArrayRef, words: &Words) -> Vec<f64> {
+    let place = |word: Option<&str>| word.and_then(|word| words.places.get(word)).map_or(f64::NAN, |at| *at as f64);
+    column.as_string_opt::<i32>().map_or_else(|| vec![f64::NAN; column.len()], |all| all.iter().map(place).collect())
+}
+
 /// A column as doubles, NaN for empty cells and for what is no number.
-fn doubles(column: ArrayRef) -> Vec<f64> {
+fn doubles(column: &ArrayRef) -> Vec<f64> {
     match column.data_type() {
         DataType::Float64 => column.as_primitive::<Float64Type>().iter().map(|cell| cell.unwrap_or(f64::NAN)).collect(),
         DataType::Int64 => {

@@ -81,7 +81,7 @@ impl Moments {
 }
 
 /// What an input does to an output.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effect {
     /// Which input.
     pub input: usize,
@@ -117,10 +117,15 @@ impl Regression {
     /// Of the last column on those before. `None` if too few rows or none that vary say something, or if the inputs are
     /// linearly dependent.
     pub fn new(moments: &Moments) -> Option<Self> {
+        Self::beside(moments, 0)
+    }
+
+    /// As [`new`](Self::new), of columns for which so many more numbers were fitted to the rows before.
+    pub fn beside(moments: &Moments, more: usize) -> Option<Self> {
         let output = moments.mean.len() - 1;
         let inputs: Vec<usize> = (0..output).filter(|i| moments.varies(*i)).collect();
         let k = inputs.len();
-        let freedom = moments.count as f64 - k as f64 - 1.0;
+        let freedom = moments.count as f64 - (k + more) as f64 - 1.0;
         if k == 0 || freedom < 1.0 || !moments.varies(output) {
             return None;
         }

@@ -1,5 +1,6 @@
 //! `study` of a dataset: what the rows of `sweep` say.
 
+mod means;
 mod plot;
 
 use super::super::text::{count, number, small};
@@ -11,6 +12,7 @@ use crate::study::statistics::{CONFIDENCE, Effect, Moments, Regression, quantile
 use crate::study::variance::{self, Classes, FEWEST_ROWS, FirstOrder};
 use crate::suggest::closest;
 use anyhow::{anyhow, bail};
+use means::Means;
 use serde_json::{Map, Value, json};
 use std::cell::OnceCell;
 
@@ -31,6 +33,8 @@ struct Output {
     regression: Option<Regression>,
     /// What each input explains alone.
     alone: Vec<Option<FirstOrder>>,
+    /// Means of the column by the words of inputs.
+    means: Means,
 }
 
 impl Output {
@@ -54,13 +58,19 @@ impl Output {
             let index = |alone: &Option<FirstOrder>| alone.map_or(0.0, |alone| alone.index);
             ranked.sort_by(|a, b| index(&b.1).total_cmp(&index(&a.1)));
         }
+        // Words whose means are one number do nothing by themselves: no column of them varies.
+        let still = self.means.inputs().filter(|input| !ranked.iter().any(|(effect, _)| effect.input == *input));
+        let still: Vec<usize> = if self.regression.is_some() { still.collect() } else { Vec::new() };
+        ranked.extend(still.into_iter().map(|input| (Effect { input, ..Effect::default() }, None)));
         ranked
     }
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let reader = Reader::open(&arguments.studied).map_err(|error| anyhow!(error))?;
-    let study = Study { inputs: numeric(&reader, &reader.inputs), reader, ends: OnceCell::new() };
+    let numbers = numeric(&reader, &reader.inputs);
+    let inputs = numbers.iter().chain(reader.words.iter().map(|words| &words.name)).cloned().collect();
+    let study = Study { inputs, numbers: numbers.len(), reader, ends: OnceCell::new() };
     let names = study.chosen(&arguments.dataset.of)?;
     if let Some(path) = &arguments.dataset.svg {
         Inputs::default().spare(path)?;
@@ -108,9 +118,11 @@ fn numeric(reader: &Reader, names: &[String]) -> Vec<String> {
 
 struct Study {
     reader: Reader,
-    /// Inputs that are numbers.
+    /// Inputs that are numbers, then those of words.
     inputs: Vec<String>,
-    /// Ends of the classes of each, once they are asked for.
+    /// How many are numbers.
+    numbers: usize,
+    /// Ends of the classes of each number, once they are asked for.
     ends: OnceCell<Vec<Vec<f64>>>,
 }
 
@@ -142,7 +154,7 @@ impl Study {
         self.reader.each(columns, take).map_err(|error| anyhow!(error))
     }
 
-    /// Hands over the inputs and the column of every case that has an answer there.
+    /// Hands over the inputs, of words their places, and the column of every case that has an answer there.
     fn answered(&self, name: &str, take: &mut dyn FnMut(&[f64])) -> anyhow::Result<()> {
         let columns: Vec<&str> = self.inputs.iter().map(String::as_str).chain([name]).collect();
         self.each(&columns, &mut |ok, row| {
@@ -154,8 +166,9 @@ impl Study {
 
     /// What is said of a column; nothing of one that no case has, nor of one that is the same in all, unless it is asked for.
     fn output(&self, name: String, unit: String, asked: bool) -> anyhow::Result<Option<Output>> {
+        let means = Means::new(self, &name)?;
         let mut moments = Moments::new(self.inputs.len() + 1);
-        self.answered(&name, &mut |row| moments.add(row))?;
+        means.answered(self, &name, &mut |row| moments.add(row))?;
         if moments.count == 0 && asked {
             bail!("no case has an answer in `{name}`");
         }
@@ -165,29 +178,39 @@ impl Study {
         let quantiles = quantiles(&PARTS, moments.count, &mut |take| {
             self.answered(&name, &mut |row| take(row[self.inputs.len()]))
         })?;
-        let regression = Regression::new(&moments);
+        let regression = Regression::beside(&moments, means.fitted());
         let alone = match regression.is_some() && moments.count >= FEWEST_ROWS {
-            true => self.alone(&name, &moments, regression.as_ref().is_some_and(|one| one.correlated.is_none()))?,
+            true => {
+                self.alone(&name, &moments, &means, regression.as_ref().is_some_and(|one| one.correlated.is_none()))?
+            }
             false => vec![None; self.inputs.len()],
         };
-        Ok(Some(Output { name, unit, moments, quantiles, regression, alone }))
+        Ok(Some(Output { name, unit, moments, quantiles, regression, alone, means }))
     }
 
     /// What each input explains alone. Of `independent` inputs, what the others do is taken off before.
-    fn alone(&self, name: &str, moments: &Moments, independent: bool) -> anyhow::Result<Vec<Option<FirstOrder>>> {
+    fn alone(
+        &self,
+        name: &str,
+        moments: &Moments,
+        means: &Means,
+        independent: bool,
+    ) -> anyhow::Result<Vec<Option<FirstOrder>>> {
         if self.ends.get().is_none() {
-            let ends = self.inputs.iter().map(|input| self.ends_of(input)).collect::<anyhow::Result<_>>()?;
+            let ends =
+                self.inputs[..self.numbers].iter().map(|input| self.ends_of(input)).collect::<anyhow::Result<_>>()?;
             self.ends.get_or_init(|| ends);
         }
-        let ends = self.ends.get().cloned().unwrap_or_default();
+        let mut ends = self.ends.get().cloned().unwrap_or_default();
+        ends.extend(means.ends());
         let (ranges, mean) = (&moments.ends[..self.inputs.len()], moments.mean(self.inputs.len()));
         let mut additive = Additive::new(&ends, ranges, moments.count, mean).filter(|_| independent);
         if let Some(additive) = &mut additive {
-            self.answered(name, &mut |row| additive.add(row))?;
+            means.answered(self, name, &mut |row| additive.add(row))?;
             additive.fit();
         }
         let mut classes = Classes::new(ends, mean, self.reader.spread, additive);
-        self.answered(name, &mut |row| classes.add(row))?;
+        means.answered(self, name, &mut |row| classes.add(row))?;
         Ok((0..self.inputs.len()).map(|input| classes.first_order(input, CONFIDENCE)).collect())
     }
 
@@ -205,12 +228,16 @@ impl Study {
         let quantiles: Map<String, Value> =
             PARTS.iter().zip(&output.quantiles).map(|(part, value)| (part.to_string(), json!(value))).collect();
         let effect = |(effect, alone): (Effect, Option<FirstOrder>)| {
-            json!({
+            let mut told = json!({
                 "input": self.inputs[effect.input], "coefficient": effect.coefficient,
                 "confidence": effect.confidence, "correlation": effect.correlation,
                 "first_order": alone.map(|alone| alone.index),
                 "first_order_confidence": alone.map(|alone| alone.confidence),
-            })
+            });
+            if let Some(means) = output.means.json(self, effect.input) {
+                told["means"] = means;
+            }
+            told
         };
         json!({
             "name": output.name, "unit": output.unit, "count": output.moments.count,
@@ -256,6 +283,8 @@ impl Study {
             text += line.trim_end();
             text.push('\n');
         }
+        let shown = ranked.iter().take(MOST_INPUTS);
+        text.extend(shown.filter_map(|(effect, _)| output.means.text(self, effect.input)));
         if let Some(more) = ranked.len().checked_sub(MOST_INPUTS).filter(|more| *more > 0) {
             text += &format!("  … and {} (`--json` has all)\n", count(more, "more input", "more inputs"));
         }
@@ -266,11 +295,16 @@ impl Study {
     fn what_matters(&self, output: &Output, regression: &Regression) -> String {
         let ranked = output.ranked();
         let Some((first, alone)) = ranked.first() else { return String::new() };
-        let (input, explained) = (&self.inputs[first.input], small(100.0 * regression.explained));
+        let input = &self.inputs[first.input];
+        let verb = if output.means.inputs().next().is_none() {
+            "a line in all inputs explains"
+        } else {
+            "lines in all numbers and means for all words explain"
+        };
+        let lines = format!("{verb} {} %", small(100.0 * regression.explained));
         if let Some((one, other, by)) = regression.correlated {
             return format!(
-                "  inputs are correlated (`{}` and `{}` by {}): none has a share of the variance of its own; a line in all \
-                 inputs explains {explained} %\n",
+                "  inputs are correlated (`{}` and `{}` by {}): none has a share of the variance of its own; {lines}\n",
                 self.inputs[one],
                 self.inputs[other],
                 number(by),
@@ -278,23 +312,21 @@ impl Study {
         }
         if output.is_linear() {
             let share = small(100.0 * first.coefficient * first.coefficient);
-            return format!(
-                "  what matters most is `{input}`: {share} % of the variance; a line in all inputs explains {explained} %\n"
-            );
+            return format!("  what matters most is `{input}`: {share} % of the variance; {lines}\n");
         }
         match alone {
             Some(alone) if alone.index > alone.confidence => format!(
                 "  what matters most is `{input}`: {} % of the variance by itself; all inputs by themselves explain {} %, the \
-                 rest is in how they act together; a line in all inputs explains {explained} %\n",
+                 rest is in how they act together; {lines}\n",
                 small(100.0 * alone.index),
                 small(100.0 * ranked.iter().filter_map(|(_, alone)| *alone).map(|alone| alone.index).sum::<f64>()),
             ),
             Some(_) => format!(
-                "  no input explains anything by itself: what matters is how they act together, or nothing that varies here; a \
-                 line in all inputs explains {explained} %\n"
+                "  no input explains anything by itself: what matters is how they act together, or nothing that varies here; \
+                 {lines}\n"
             ),
             None => format!(
-                "  a line in all inputs explains {explained} %: what matters most is not a line, coefficients do not rank it, and \
+                "  {lines}: what matters most is not a line, coefficients do not rank it, and \
                  {FEWEST_ROWS} cases at least are needed to say more\n"
             ),
         }

@@ -207,3 +207,59 @@ fn a_parameter_that_reading_sets_wants_a_start() {
     let said = bench.call(&["study", "scale.toml", "--fit", "data.csv", "--parameter", "pan.damping"]).code(2).err;
     assert!(said.contains("`pan.damping` is a number that only reading the file sets: say where it starts"), "{said}");
 }
+
+/// A load that keeps its direction or turns with its body, at several masses: of a full grid the part of an input is the variance of the
+/// means of its classes over that of all, whatever the input is.
+#[test]
+fn inputs_of_words_have_their_part_of_the_variance() {
+    let bench = Bench::new();
+    let scene = "[[body]]\nname = \"b\"\nmass = 1.0\ncenter = [0, 0, -0.3]\ninertia = [0.1, 0.1, 0.1]\n\
+        markers = { tip = [0, 0, -0.6] }\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n\
+        [[force]]\nname = \"load\"\ntype = \"load\"\non = \"b.tip\"\naxes = \"inertial\"\nforce = [4, 0, 0]\n";
+    bench.write("load.toml", scene);
+    let grid = ["--over", "load.axes=inertial,body", "--over", "b.mass=1:1.3:40", "--out", "words", "--quiet"];
+    bench.call(&[&["sweep", "load.toml"], &grid[..]].concat()).code(0);
+    let rows = super::datasets::rows(&bench.path().join("words"));
+    let angle = |row: &serde_json::Map<String, Value>| row["b.angle"].as_f64().expect("an angle");
+    let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / numbers.len() as f64;
+    let variance = |numbers: &[f64]| {
+        let middle = mean(numbers);
+        numbers.iter().map(|x| (x - middle).powi(2)).sum::<f64>() / numbers.len() as f64
+    };
+    let angles: Vec<f64> = rows.iter().map(angle).collect();
+    let of = |word: &str| -> f64 {
+        mean(&rows.iter().filter(|row| row["load.axes"] == word).map(angle).collect::<Vec<_>>())
+    };
+    let share = variance(&[of("inertial"), of("body")]) / variance(&angles);
+    assert!((share - 0.672).abs() < 1e-3, "{share}");
+    let answer = bench.call(&["study", "words", "--of", "b.angle", "--svg", "words.svg", "--json"]).code(0).json();
+    let effects = answer["outputs"][0]["effects"].as_array().expect("effects");
+    assert_eq!(effects.iter().map(|effect| &effect["input"]).collect::<Vec<_>>(), ["load.axes", "b.mass"]);
+    let number = |key: &str| effects[0][key].as_f64().unwrap_or_else(|| panic!("{key}: {answer}"));
+    assert!((number("coefficient").powi(2) / share - 1.0).abs() < 1e-9, "{answer}");
+    assert!((number("first_order") - share).abs() < 0.01, "{answer}");
+    for word in ["inertial", "body"] {
+        assert!((effects[0]["means"][word].as_f64().expect("a mean") - of(word)).abs() < 1e-12, "{answer}");
+    }
+    let told = bench.call(&["study", "words", "--of", "b.angle"]).code(0).out;
+    for part in [
+        "what matters most is `load.axes`: 67 %",
+        "lines in all numbers and means for all words explain",
+        "means by `load.axes`: `inertial`",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
+/// Words that change nothing are listed as what they are.
+#[test]
+fn words_that_do_nothing_are_listed_last() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let grid = ["--over", "statics.want=any,stable", "--over", "pan.mass=1:2:60", "--out", "still", "--quiet"];
+    bench.call(&[&["sweep", "scale.toml"], &grid[..]].concat()).code(0);
+    let answer = bench.call(&["study", "still", "--of", "pan.distance", "--json"]).code(0).json();
+    let effects = answer["outputs"][0]["effects"].as_array().expect("effects");
+    assert_eq!(effects.iter().map(|effect| &effect["input"]).collect::<Vec<_>>(), ["pan.mass", "statics.want"]);
+    assert_eq!(effects[1]["coefficient"], 0.0);
+}

@@ -41,8 +41,14 @@ pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Resu
         let (left, right) = below.split_horizontally(root.dim_in_pixel().0 / 2);
         if let Some(first) = first {
             let input = &study.inputs[first];
+            let words = first.checked_sub(study.numbers).map(|index| &study.reader.words[index].all);
+            let words = words.map(|all| {
+                let named = all.iter().enumerate().map(|(place, word)| format!("{place} {word}"));
+                format!("{input}: {}", named.collect::<Vec<_>>().join(", "))
+            });
             let unit = study.reader.numbers.iter().find(|(other, _)| other == input).map_or("", |(_, unit)| unit);
-            scatter(&left, theme, [&with_unit(input, unit), &name], &points)?;
+            let across = words.unwrap_or_else(|| with_unit(input, unit));
+            scatter(&left, theme, [&across, &name], &points)?;
         }
         let alone = output.ranks_alone();
         let effects: Vec<(&str, f64, f64)> = effects
