@@ -143,15 +143,21 @@ fn resumed_grid(settings: &Settings, step: f64) -> Option<(f64, u64)> {
     resume.grid.map(|grid| (grid.origin, grid.steps))
 }
 
-/// When a run ends (s). An end that lies on the grid of fixed steps but for rounding is that of the grid, so that the last
-/// step is one like all others.
-fn end(model: &Model, settings: &Settings) -> f64 {
+/// When a run of fixed steps ends (s). An end that lies on the grid of these steps but for rounding is that of the grid, so that the last
+/// step is one like all others; one that lies so at an instant of controllers is the instant, as in a run that goes on beyond it.
+fn end(model: &Model, settings: &Settings, function: Option<&Function<'_>>) -> f64 {
     let (begin, end) = (settings.begin(), settings.begin() + settings.duration);
     let Integrator::Method(method) = settings.integrator else { return end };
     let Some(step) = fixed_step(model, settings, method) else { return end };
+    let is_meant = |time: &f64| TIME.hides(time - end, end.abs());
+    let periods = model.controllers.iter().map(|one| one.period).chain(function.map(|function| function.period));
+    let instants = periods.map(|period| (end / period).round() * period).filter(is_meant);
+    if let Some(instant) = instants.reduce(f64::min) {
+        return instant;
+    }
     let (origin, _) = resumed_grid(settings, step).unwrap_or((begin, 0));
     let on_grid = origin + ((end - origin) / step).round() * step;
-    if TIME.hides(on_grid - end, end.abs()) { on_grid } else { end }
+    if is_meant(&on_grid) { on_grid } else { end }
 }
 
 struct Run<'m, 'f> {
@@ -195,7 +201,7 @@ impl<'m, 'f> Run<'m, 'f> {
         (prepared, search, function, booked): (Prepared, Search, Option<Function<'f>>, Option<&Booked>),
         recorder: &mut dyn Recorder,
     ) -> Result<(Self, f64), RunError> {
-        let (begin, end) = (settings.begin(), end(model, settings));
+        let (begin, end) = (settings.begin(), end(model, settings, function.as_ref()));
         let Prepared { mut state, contacts, rests, .. } = prepared;
         motion.set_tolerance(settings.absolute_tolerance);
         if model.has_boundaries() {

@@ -73,6 +73,31 @@ fn fixed_steps_go_on_bit_for_bit() {
     assert!(cases > 40, "{cases}");
 }
 
+/// A run that ends at an instant of its controller, as the user writes it, goes on bit for bit: 24 · 12.5 ms is not 0.3 s in doubles.
+#[test]
+fn fixed_steps_between_instants_go_on_bit_for_bit() {
+    let text = "[simulate]\nstart = \"given\"\nintegrator = \"rk4\"\nstep = 0.0025\nduration = 1.0\n\
+        [[body]]\nname = \"b\"\nmass = 1.0\ncenter = [0.1, 0, -0.3]\ninertia = [0.1, 0.1, 0.1]\n\
+        hinge = { type = \"revolute\", axis = [0, 1, 0], position = 0.3 }\n\
+        [[output]]\nname = \"q\"\ntype = \"coordinate\"\nof = \"b\"\n\
+        [[motor]]\nname = \"m\"\nhinge = \"b\"\ntype = \"input\"\n\
+        [[controller]]\nname = \"c\"\ntype = \"gain\"\nperiod = 0.0125\nsenses = [\"q\"]\ndrives = [\"m\"]\nmatrix = [[2.0]]\n";
+    let scenario = stillpoint::scenario::parse("c.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let model = Model::build(&scenario.description).map(Arc::new).expect("a model");
+    let begin = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let whole = run(&model, &fixed(1.0, 0.0025), &begin);
+    for k in 1..20 {
+        let first = f64::from(5 * k) / 100.0;
+        let half = run(&model, &fixed(first, 0.0025), &begin);
+        let inputs: Vec<(String, f64)> = vec![("m.force".to_owned(), half.inputs[0])];
+        let text = text_at_end(&model, &half.resume, &half.state, &inputs, &half.memories);
+        let read = parse_start("end.toml", &text, &scenario.description).unwrap_or_else(|bad| panic!("{bad}\n{text}"));
+        let settings = Settings { resume: read.resume, ..fixed(1.0 - first, 0.0025) };
+        let rest = run(&read.model, &settings, &half.state);
+        assert!(same(&rest.state, &whole.state), "{first} s");
+    }
+}
+
 /// Adaptive methods go on to their tolerance, with the step that they had.
 #[test]
 fn adaptive_methods_go_on_to_their_tolerance() {
