@@ -74,16 +74,26 @@ pub(crate) fn plan(
     let mut axes = Vec::new();
     for (path, values) in over.iter().flat_map(|over| over.iter()) {
         let path: String = path.extract()?;
+        if path.trim().is_empty() {
+            return Err(wrong("`over` has an empty address, expected: one as \"arm.mass\"".to_owned()));
+        }
         let text = match values.extract::<String>() {
             Ok(text) => text,
             Err(_) => {
                 let inline = values.py().import("stillpoint._toml")?.getattr("inline")?;
                 let name = format!("over[{path:?}]");
                 let items = list(&name, &values, "a list of values")?;
+                if items.is_empty() {
+                    return Err(wrong(format!("`{name}` is an empty list, expected: a list of values")));
+                }
                 let items = items.into_iter().map(|item| inline.call1((item,))?.extract::<String>());
                 items.collect::<PyResult<Vec<_>>>()?.join(",")
             }
         };
+        if text.trim().is_empty() {
+            let message = format!("`over[{path:?}]` is an empty text, expected: values, as \"1:5:9\" or \"1,2,5\"");
+            return Err(wrong(message));
+        }
         axes.push(Axis::parse(&format!("{path}={text}")).map_err(wrong)?);
     }
     let mut varied = Vec::new();

@@ -4,7 +4,7 @@ use crate::control::Controller;
 use crate::interrupt::Interrupt;
 use crate::linear::Linear;
 use crate::run::{Asked, Run, run};
-use crate::scene::{Names, Scene, by_hinge, frozen};
+use crate::scene::{Names, Scene, by_hinge, frozen, positive};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
@@ -274,11 +274,11 @@ impl Equilibrium {
         let scenario = self.scene.get().scenario();
         let mut settings = scenario.simulate;
         settings.start = stillpoint::simulate::Start::Equilibrium;
-        settings.duration = duration.unwrap_or(settings.duration);
+        settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
         let asked = Asked {
             model: Arc::clone(&self.held.answer.model),
             settings,
-            rate: rate.unwrap_or(scenario.record.rate),
+            rate: positive("rate", rate)?.unwrap_or(scenario.record.rate),
             start: self.state(),
             held: Some(Arc::clone(&self.held)),
             name: scenario.name.clone(),

@@ -663,7 +663,7 @@ pub(crate) fn closed(model: &Arc<Model>, state: State) -> PyResult<State> {
 }
 
 /// A number that has to be finite and above zero.
-fn positive(name: &str, number: Option<f64>) -> PyResult<Option<f64>> {
+pub(crate) fn positive(name: &str, number: Option<f64>) -> PyResult<Option<f64>> {
     match number {
         Some(number) if !(number > 0.0 && number.is_finite()) => {
             let message = format!("`{name}` is {number}, allowed: above 0");

@@ -11,7 +11,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use stillpoint::simulate::{self, State};
+use stillpoint::integrate::Method;
+use stillpoint::simulate::{self, Grid, Resume, State};
 use stillpoint::simulator::{self, Snapshot};
 
 /// A scene at a time: it goes on as far as it is told to, with stops, events and controllers as in a run.
@@ -56,6 +57,30 @@ impl Simulator {
 
     fn now(&self) -> MutexGuard<'_, simulator::Simulator> {
         self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What `state` gives: time, coordinates, velocities, inputs, memories, and what the next step follows from.
+#[derive(FromPyObject)]
+struct Kept(f64, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<f64>>, Option<Next>);
+
+/// What a next step follows from: the time, the method, its step (s), and the grid of fixed steps.
+#[derive(FromPyObject)]
+struct Next(f64, String, Option<f64>, Option<(f64, u64)>);
+
+impl Next {
+    fn resume(self) -> PyResult<Resume> {
+        let Self(time, method, step, grid) = self;
+        let method = Method::ALL.into_iter().find(|one| one.name() == method).ok_or_else(|| {
+            PyValueError::new_err(format!("no integrator is called `{method}`: this is no state of this version"))
+        })?;
+        if step.is_some_and(|step| !(step > 0.0 && step.is_finite())) {
+            return Err(PyValueError::new_err("the step of a state is a finite number above 0"));
+        }
+        if grid.is_some_and(|(origin, _)| !origin.is_finite()) {
+            return Err(PyValueError::new_err("the grid of a state begins at a finite time"));
+        }
+        Ok(Resume { time, method, step, grid: grid.map(|(origin, steps)| Grid { origin, steps }) })
     }
 }
 
@@ -182,20 +207,25 @@ impl Simulator {
         self.now().place(next).map_err(of_another)
     }
 
-    /// All of it, for `restore`: plain numbers in a tuple.
+    /// All of it, for `restore`, in a tuple: time, coordinates, velocities, inputs, what controllers remember, and what the next step
+    /// follows from, so that it goes on from there to the same bits.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let here = self.now();
         let now = here.snapshot();
         let (q, v) = (now.state.position.clone(), now.state.velocity.clone());
-        (now.time, q, v, now.inputs.clone(), now.memories.clone()).into_pyobject(py)
+        let next = now.resume.map(|resume| {
+            let grid = resume.grid.map(|grid| (grid.origin, grid.steps));
+            (resume.time, resume.method.name(), resume.step, grid)
+        });
+        (now.time, q, v, now.inputs.clone(), now.memories.clone(), next).into_pyobject(py)
     }
 
     /// Puts it where `state` was called.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
-        type Kept = (f64, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<f64>>);
-        let (time, position, velocity, inputs, memories): Kept = state.extract().map_err(|_| {
+        let Kept(time, position, velocity, inputs, memories, next) = state.extract().map_err(|_| {
             PyTypeError::new_err(format!("`state` is {}, expected: what `Simulator.state()` gave", shown(state)))
         })?;
+        let resume = next.map(Next::resume).transpose()?.filter(|resume| resume.time == time);
         if !(time >= 0.0 && time.is_finite()) {
             return Err(PyValueError::new_err(format!(
                 "the time of the state is {time}, allowed: a finite number ≥ 0"
@@ -210,7 +240,7 @@ impl Simulator {
         if (state.position.len(), state.velocity.len()) == (q, v) {
             checked(&model, state.clone())?;
         }
-        let snapshot = Snapshot { time, state, inputs, memories, resume: None, stopped_by: None };
+        let snapshot = Snapshot { time, state, inputs, memories, resume, stopped_by: None };
         self.now().restore(snapshot).map_err(of_another)
     }
 

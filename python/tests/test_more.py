@@ -498,3 +498,79 @@ def test_linearize_has_what_is_asked_for_in_that_order():
 def test_degrees_of_freedom_are_what_loops_leave():
     four_bar = stillpoint.load(SCENARIOS / "four_bar.toml")
     assert four_bar.degrees_of_freedom == 1 and len(four_bar.velocities) == 3
+
+
+def test_durations_and_lists_are_refused_in_the_terms_of_python():
+    scene = stillpoint.describe(SLIDER)
+    rest = scene.equilibrium()
+    for wrong in (math.nan, 0.0, -1.0, math.inf):
+        with pytest.raises(ValueError, match="`duration` is"):
+            rest.run(wrong)
+        with pytest.raises(ValueError, match="`rate` is"):
+            rest.run(1.0, rate=wrong)
+    with pytest.raises(ValueError, match=r'`over\["mass.mass"\]` is an empty list, expected: a list of values'):
+        scene.sweep({"mass.mass": []})
+    with pytest.raises(ValueError, match="is an empty text"):
+        scene.sweep({"mass.mass": " "})
+    with pytest.raises(ValueError, match="empty address"):
+        scene.sweep({"": [1.0]})
+    with pytest.raises(ValueError, match="`1` has no unit"):
+        scene.sweep({"mass.mass": [1, 2, "3 g"]})
+
+
+def test_numbers_without_a_derivative_say_what_to_do():
+    scene = stillpoint.load(SCENARIOS / "double_wishbone.toml")
+    rest = scene.equilibrium()
+    body = scene.bodies[0]
+    with pytest.raises(KeyError, match="no number that can be addressed here.*parameters.name"):
+        rest.sensitivity("camber", addresses=[f"{body}.center[0]"])
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "dopri5", "dop853", "sdirk4", "radau5", "gauss", "adams", "auto"])
+def test_a_state_that_is_restored_goes_on_to_the_same_bits(integrator):
+    arm = {
+        "simulate": {"start": "given", "integrator": integrator, "tolerance": 1e-9},
+        "body": [
+            {
+                "name": "arm",
+                "mass": 2.0,
+                "center": [0.3, 0.0, -0.2],
+                "inertia": [0.1, 0.12, 0.05],
+                "hinge": {
+                    "type": "universal",
+                    "axes": [[0, 1, 0], [0, 0, 1]],
+                    "stiffness": [12.0, 7.0],
+                    "damping": [0.1, 0.2],
+                    "position": [0.1, -0.3],
+                    "velocity": [0.3, -0.4],
+                },
+            }
+        ],
+    }
+    simulator = stillpoint.describe(arm).simulator()
+    simulator.advance(0.3)
+    kept = simulator.state()
+    simulator.advance(1.0)
+    first = simulator.q.copy()
+    simulator.restore(pickle.loads(pickle.dumps(kept)))
+    simulator.advance(1.0)
+    assert np.array_equal(first, simulator.q)
+    with pytest.raises(TypeError, match="what `Simulator.state\\(\\)` gave"):
+        simulator.restore(kept[:5])
+    with pytest.raises(ValueError, match="no integrator is called `euler`"):
+        simulator.restore((*kept[:5], (kept[0], "euler", None, None)))
+
+
+def test_namesakes_have_derivatives_of_their_own():
+    hinge = {"type": "revolute", "axis": [0, 1, 0], "position": 0.3, "stiffness": 3.0}
+    arm = {"name": "arm", "mass": 1.0, "center": [0.3, 0, 0], "inertia": [0.1, 0.1, 0.1], "hinge": hinge}
+    scene = stillpoint.describe(
+        body=[arm],
+        motor=[{"name": "arm", "type": "pd", "hinge": "arm", "target": -0.4, "stiffness": 8.0}],
+        output=[{"name": "q", "type": "coordinate", "of": "arm"}],
+    )
+    all = scene.equilibrium().sensitivity("q")
+    assert all["motor[0].stiffness"] != pytest.approx(all["arm.stiffness"])
+    for address, value in (("arm.stiffness", 3.0), ("motor[0].stiffness", 8.0)):
+        ends = [scene.with_set({address: value + by}).equilibrium().outputs["q"] for by in (-1e-3, 1e-3)]
+        assert all[address] == pytest.approx((ends[1] - ends[0]) / 2e-3, rel=1e-4)

@@ -9,6 +9,8 @@ __version__: str
 
 Outputs = dict[str, float | list[float]]
 Inputs = float | Sequence[float] | Mapping[str, float] | None
+_Next = tuple[float, str, float | None, tuple[float, int] | None]
+_State = tuple[float, list[float], list[float], list[float], list[list[float]], _Next | None]
 Controller = Callable[[float, Outputs], Inputs]
 
 class SceneError(ValueError): ...
@@ -281,8 +283,8 @@ class Simulator:
         inputs: Inputs = None,
         time: float | None = None,
     ) -> None: ...
-    def state(self) -> tuple[float, list[float], list[float], list[float], list[list[float]]]: ...
-    def restore(self, state: tuple[float, list[float], list[float], list[float], list[list[float]]]) -> None: ...
+    def state(self) -> _State: ...
+    def restore(self, state: _State) -> None: ...
 
 class Path:
     @property
