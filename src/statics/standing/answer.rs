@@ -1,7 +1,6 @@
 //! The answer about a pose: whether it stands, by how much, and how it would give way.
 
 use super::closed::Contact;
-use super::margins::Margins;
 use super::mechanism::Mechanism;
 use crate::contact::support::{Certificate, Verdict};
 use crate::statics::certify::stability::Stability;
@@ -59,4 +58,29 @@ pub struct StandingReport {
     pub(in crate::statics) stability: Option<Stability>,
     /// What rigid stops that are touched push with: velocity coordinate and force (N or N m).
     pub(super) stop_forces: Vec<(usize, f64)>,
+}
+
+/// A range of values within which a pose stands, and how it gives way at both ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// What moves.
+    pub name: String,
+    /// Lowest and highest value; infinite if nothing gives way.
+    pub range: [f64; 2],
+    /// Hinge velocities of the mechanism at each end; empty if nothing gives way.
+    pub motions: [Vec<f64>; 2],
+}
+
+/// All ranges that were asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Margins {
+    /// Of numbers of the scene, by address.
+    pub numbers: Vec<Interval>,
+    /// Horizontal load in parts of the weight, by direction (`+x`, `-y`, …), and the mechanism there.
+    pub tilt: Vec<(String, f64, Vec<f64>)>,
+    /// Of inputs that are unknown: the range of each, the others being free.
+    pub inputs: Vec<Interval>,
+    /// Which of them no program decides, and why: the verdict stands without them; and from where on a scene stands only if it has been
+    /// squeezed.
+    pub notes: Vec<String>,
 }

@@ -1,9 +1,11 @@
 //! How far a number of the scene may go, and how far it may be tilted, while the pose stands.
 
+use super::answer::{Interval, Margins};
 use super::closed::Scene;
+use super::following::Following;
 use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
-use crate::contact::support::Undecided;
+use crate::contact::support::{Limit, Undecided};
 use crate::model::parameter::Field;
 use crate::model::problem::{in_one_line, significant};
 use crate::model::{Description, Model, Parameter, Problem};
@@ -11,62 +13,52 @@ use crate::statics::problem::assembled::Assembled;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// A range of values within which a pose stands, and how it gives way at both ends.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Interval {
-    /// What moves.
-    pub name: String,
-    /// Lowest and highest value; infinite if nothing gives way.
-    pub range: [f64; 2],
-    /// Hinge velocities of the mechanism at each end; empty if nothing gives way.
-    pub motions: [Vec<f64>; 2],
+/// A pose that stands, and whose.
+#[derive(Clone, Copy)]
+pub(super) struct Standing<'a> {
+    pub(super) description: &'a Description,
+    pub(super) model: &'a Arc<Model>,
+    pub(super) settings: &'a Settings,
+    pub(super) pose: &'a [f64],
 }
 
-/// All ranges that were asked for.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Margins {
-    /// Of numbers of the scene, by address.
-    pub numbers: Vec<Interval>,
-    /// Horizontal load in parts of the weight, by direction (`+x`, `-y`, …), and the mechanism there.
-    pub tilt: Vec<(String, f64, Vec<f64>)>,
-    /// Of inputs that are unknown: the range of each, the others being free.
-    pub inputs: Vec<Interval>,
-    /// Which of them no program decides, and why: the verdict stands without them; and from where on a scene stands only if it has been
-    /// squeezed.
-    pub notes: Vec<String>,
-}
-
-pub(super) fn margins(
-    description: &Description,
-    model: &Arc<Model>,
-    asked: &Margin,
-    pose: &[f64],
-    bearers: &mut Bearers,
-) -> Result<Margins, Unanswered> {
+pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearers) -> Result<Margins, Unanswered> {
     let mut margins = Margins::default();
-    let mut unsqueezed = if asked.numbers.is_empty() { None } else { bearers.unsqueezed()? };
+    let Standing { description, pose, .. } = stands;
+    // Where something follows the load, what of it a squeeze bears is not asked.
+    let follows = bearers.pushed.iter().any(|pushed| !pushed);
+    let mut unsqueezed = if asked.numbers.is_empty() || follows { None } else { bearers.unsqueezed()? };
     for parameter in &asked.numbers {
-        match interval(description, pose, bearers, parameter) {
+        let range = match follows {
+            true => following_interval(stands, bearers, parameter),
+            false => interval(description, pose, bearers, parameter),
+        };
+        match range {
             Ok(range) => {
                 if let Some(unsqueezed) = &mut unsqueezed {
                     margins.notes.extend(squeezed(description, pose, unsqueezed, parameter, &range));
                 }
                 margins.numbers.push(range);
             }
-            Err(Unanswered::Undecided(why @ Undecided::Inexact { .. })) => {
+            Err(why) if is_note(&why) => {
                 margins.notes.push(format!("the range of `{}` is not known: {why}", parameter.address));
             }
             Err(why) => return Err(why),
         }
     }
-    match asked.tilt.then(|| tilt(model, pose, bearers)) {
-        Some(Err(Unanswered::Undecided(why @ Undecided::Inexact { .. }))) => {
+    match asked.tilt.then(|| tilt(stands, bearers)) {
+        Some(Err(why)) if is_note(&why) => {
             margins.notes.push(format!("how far it can be tilted is not known: {why}"));
         }
         Some(found) => margins.tilt = found?,
         None => {}
     }
     Ok(margins)
+}
+
+/// Whether a range alone has no answer.
+fn is_note(why: &Unanswered) -> bool {
+    matches!(why, Unanswered::Undecided(Undecided::Inexact { .. }) | Unanswered::Unbalanced { .. })
 }
 
 /// The range of a number: loads are affine in it, so that a difference is its direction.
@@ -76,17 +68,47 @@ fn interval(
     bearers: &mut Bearers,
     parameter: &Parameter,
 ) -> Result<Interval, Unanswered> {
-    let value = parameter.value(description);
     let direction = direction(description, pose, bearers, parameter)?;
     let [low, high] = [false, true].map(|upwards| bearers.supports.limit(&bearers.load, &direction, upwards));
-    let (low, high) = (low?, high?);
+    Ok(between(description, parameter, low?, high?))
+}
+
+/// The range of a number that what no support pushes follows.
+fn following_interval(
+    stands: Standing<'_>,
+    bearers: &mut Bearers,
+    parameter: &Parameter,
+) -> Result<Interval, Unanswered> {
+    let Standing { description, model, settings, pose } = stands;
+    let value = parameter.value(description);
+    let direction = direction(description, pose, bearers, parameter)?;
+    let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
+    let at = |by: f64| -> Result<Arc<Model>, Unanswered> {
+        let mut moved = description.clone();
+        let fixed = |why: String| Unanswered::Fixed { address: parameter.address.clone(), why };
+        parameter.set(&mut moved, value + by).map_err(fixed)?;
+        let built = Model::build(&moved).map_err(|found| fixed(in_one_line(&found)))?;
+        Ok(assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose))
+    };
+    let unit = bearers.as_large_again(&direction);
+    let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed };
+    let ends = [false, true].map(|upwards| match follows.end(unit, upwards)? {
+        Some(end) => Ok(end),
+        None => Ok(bearers.supports.clone().limit(&bearers.load, &direction, upwards)?),
+    });
+    let [low, high]: [Result<Limit, Unanswered>; 2] = ends;
+    Ok(between(description, parameter, low?, high?))
+}
+
+fn between(description: &Description, parameter: &Parameter, low: Limit, high: Limit) -> Interval {
+    let value = parameter.value(description);
     // No mass is negative, whatever the balance would allow.
     let least = if parameter.field == Field::Mass { 0.0 } else { f64::NEG_INFINITY };
-    Ok(Interval {
+    Interval {
         name: parameter.address.clone(),
         range: [(value + low.value).max(least), value + high.value],
         motions: [low.motion, high.motion],
-    })
+    }
 }
 
 /// Values of a range that are nearer to each other than this part of it are one.
@@ -132,31 +154,44 @@ fn direction(
 /// With more supports than this two threads share the directions of a tilt: each program takes longer than a thread does to begin.
 const MANY: usize = 200;
 
+/// An axis across gravity, by name: the gravity that is added along it (m/s²) and how loads change with that.
+type Axis<'a> = (&'a str, Vector3<f64>, Vec<f64>);
+
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
-fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
+fn tilt(stands: Standing<'_>, bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
+    let Standing { model, pose, settings, .. } = stands;
     let size = model.gravity.norm();
     if !(size > 0.0) {
         return Ok(Vec::new());
     }
     let down = model.gravity / size;
+    let follows = bearers.pushed.iter().any(|pushed| !pushed);
     let mut axes = Vec::new();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|(axis, _)| *axis != down.iamax()) {
         let along = Vector3::ith(axis, 1.0);
-        let across = (along - down * down.dot(&along)).normalize();
-        let mut tilted = Model::clone(model);
-        tilted.gravity += across * size;
-        let changed = load(&Arc::new(tilted), pose)?;
+        let across = (along - down * down.dot(&along)).normalize() * size;
+        let changed = load(&tilted(model, &across), pose)?;
         let direction: Vec<f64> = changed.iter().zip(&bearers.load).map(|(changed, load)| changed - load).collect();
-        axes.push((name, direction));
+        axes.push((name, across, direction));
     }
-    let both_ways = |(name, direction): &(&str, Vec<f64>)| -> Result<Vec<(String, f64, Vec<f64>)>, Undecided> {
+    let end = |across: &Vector3<f64>, direction: &[f64], upwards: bool| -> Result<Limit, Unanswered> {
+        if follows {
+            let at = |by: f64| Ok(tilted(model, &(across * by)));
+            let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed };
+            if let Some(end) = follows.end(bearers.as_large_again(direction), upwards)? {
+                return Ok(end);
+            }
+        }
+        Ok(bearers.supports.clone().limit(&bearers.load, direction, upwards)?)
+    };
+    let both_ways = |(name, across, direction): &Axis<'_>| -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
         let ways = [("+", true), ("-", false)].map(|(sign, upwards)| {
-            let limit = bearers.supports.clone().limit(&bearers.load, direction, upwards)?;
+            let limit = end(across, direction, upwards)?;
             Ok((format!("{sign}{name}"), limit.value.abs(), limit.motion))
         });
         ways.into_iter().collect()
     };
-    let found: Result<Vec<_>, Undecided> = match bearers.supports.len() > MANY {
+    let found: Result<Vec<_>, Unanswered> = match bearers.supports.len() > MANY {
         true => std::thread::scope(|scope| {
             let others: Vec<_> = axes[1..].iter().map(|axis| scope.spawn(|| both_ways(axis))).collect();
             let first = both_ways(&axes[0]);
@@ -167,6 +202,13 @@ fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(Stri
         false => axes.iter().map(both_ways).collect(),
     };
     Ok(found?.concat())
+}
+
+/// The model with gravity changed by this (m/s²).
+fn tilted(model: &Arc<Model>, by: &Vector3<f64>) -> Arc<Model> {
+    let mut tilted = Model::clone(model);
+    tilted.gravity += by;
+    Arc::new(tilted)
 }
 
 /// Part of a range, or of its end where it has one, that a clamped value keeps from the end: at the end itself nothing is spared.

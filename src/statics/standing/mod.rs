@@ -24,6 +24,7 @@
 pub(super) mod answer;
 mod certificate;
 mod closed;
+mod following;
 mod margins;
 mod mechanism;
 mod pushed;
@@ -32,9 +33,8 @@ mod settle;
 mod supports;
 
 pub use crate::contact::pairs::Untouchable;
-pub use answer::{ContactForce, FrictionForce, StandingReport};
+pub use answer::{ContactForce, FrictionForce, Interval, Margins, StandingReport};
 pub use closed::Contact;
-pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
 pub use pushed::{by_rule, with_contacts};
 
@@ -74,6 +74,12 @@ pub enum Unanswered {
     /// Loops that cannot be closed in the pose.
     #[error("{0}")]
     Open(String),
+    /// A margin beyond a value at which what follows the load finds no balance.
+    #[error("what bends or hangs on springs finds no balance beyond {} of it", significant(*value, 4))]
+    Unbalanced {
+        /// What was added to the number there.
+        value: f64,
+    },
     /// A scene that was to settle.
     #[error("the scene does not settle: {0}")]
     Unsettled(String),
@@ -239,7 +245,9 @@ pub fn standing(
     let least = bearers.supports.friction_margin(&bearers.load, &found)?;
     let squeeze = wedged.then(|| bearers.supports.least_squeeze(&bearers.load)).transpose()?;
     let margins = match found.verdict {
-        Verdict::Stands => margins::margins(description, model, asked, pose, &mut bearers)?,
+        Verdict::Stands => {
+            margins::margins(margins::Standing { description, model, settings, pose }, asked, &mut bearers)?
+        }
         Verdict::Wedged | Verdict::Falls => Margins::default(),
     };
     let friction_margin = least.as_ref().map(|least| least.part);

@@ -339,7 +339,7 @@ impl Search<'_, '_> {
             let friction = self.model.contacts[self.pairs.couples[key.couple].rule].friction;
             let within = friction.stick * (1.0 - WITHIN);
             let law = Law::Coulomb { stick: within, slide: within };
-            Support { id: Id::Contact(key), columns: frame.columns, gap: frame.meeting.gap, law }
+            Support { id: Id::Contact(key), columns: frame.columns, gap: frame.meeting.gap, law, at_rest: None }
         };
         let mut supports: Vec<Support> = found.into_iter().map(contact).collect();
         supports.extend(hinges::supports(&self.model, q, &rest, 0.0));

@@ -125,6 +125,16 @@ impl Bearers {
         Ok(found)
     }
 
+    /// How much of a direction of loads makes them as large again.
+    pub(super) fn as_large_again(&self, direction: &[f64]) -> f64 {
+        let size = |loads: &[f64]| {
+            let parts = loads.iter().enumerate().map(|(row, load)| (load / self.supports.unit(row)).abs());
+            parts.fold(0.0, f64::max)
+        };
+        let (loads, direction) = (size(&self.load), size(direction));
+        if loads > 0.0 && direction > 0.0 { loads / direction } else { 1.0 }
+    }
+
     /// What bears without friction that a squeeze alone may load; `None` if nothing can be squeezed.
     pub(super) fn unsqueezed(&self) -> Result<Option<Self>, Undecided> {
         let supports = self.supports.unsqueezed(&self.load)?;
@@ -140,7 +150,9 @@ impl Bearers {
 
     fn add(&mut self, bears: Bears, cone: Cone, lever: f64, columns: Vec<Vec<(usize, f64)>>) {
         self.list.push(bears);
-        columns.iter().flatten().filter(|(_, entry)| *entry != 0.0).for_each(|(row, _)| self.pushed[*row] = true);
+        // What pushes a coordinate by rounding alone, as a normal through the axis of a capsule turns it about that, does not.
+        let pushes = |(row, entry): &&(usize, f64)| !LOAD.hides(*entry, self.supports.unit(*row));
+        columns.iter().flatten().filter(pushes).for_each(|(row, _)| self.pushed[*row] = true);
         self.supports.add(cone, lever, columns);
     }
 }

@@ -1,6 +1,7 @@
 //! Dry friction and contact beside beams: what stands on a beam stands on it as it is bent.
 
 use crate::common::{Random, answered};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use stillpoint::contact::support::Verdict;
 use stillpoint::model::Model;
@@ -8,6 +9,7 @@ use stillpoint::motion::Motion;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{Scenario, parse};
 use stillpoint::simulate::{State, run};
+use stillpoint::statics::StabilityVerdict::{Stable, Unstable};
 use stillpoint::statics::{Equilibrium, beams};
 
 fn read(text: &str) -> (Scenario, Arc<Model>) {
@@ -134,4 +136,69 @@ fn a_crate_falls_onto_a_shelf_that_swings() {
         "{:e} J unaccounted for",
         summary.energy_drift
     );
+}
+
+/// A mast with a head on a base, which is held by `hold`; 9.81 m/s².
+fn mast(head: f64, bending: f64, hold: &str, more: &str) -> String {
+    format!(
+        "gravity = [0, 0, -9.81]\n{more}[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n\
+         [[body]]\nname = \"base\"\nmass = 18.0\ninertia = [0.5, 0.5, 0.5]\nshape = {{ box = [0.46, 0.42, 0.25] }}\nhinge = {{ {hold} }}\n\
+         [[beam]]\nname = \"mast\"\nlength = 1.75\nelements = 6\nmass_per_length = 1.0\n\
+         section = {{ stiffness = [1e9, 1e9, 1e9, {bending:?}, {bending:?}, {bending:?}] }}\n\
+         hinge = {{ type = \"fixed\", parent = \"base\", at = [0, 0, 0.125], rpy = [0, -1.5707963267948966, 0] }}\n\
+         [[body]]\nname = \"head\"\nmass = {head:?}\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ type = \"fixed\", parent = \"mast\" }}\n\
+         [[force]]\nname = \"push\"\ntype = \"load\"\non = \"head\"\nforce = [0.0, 0.0, 0.0]\n\
+         [[contact]]\nbetween = [\"base\", \"floor\"]\nfriction = 0.43\n"
+    )
+}
+
+const STANDS: &str = "type = \"free\", position = [0, 0, 0.125, 1, 0, 0, 0]";
+const CLAMPED: &str = "type = \"fixed\", at = [0, 0, 0.125]";
+
+/// Contact that holds a base holds it as a clamp does: its mast has the modes of the clamped one, and buckles where that does.
+#[test]
+fn a_mast_on_what_stands_has_the_modes_of_the_clamped_one() {
+    for (head, bending) in [(1.2, 900.0), (40.0, 900.0), (80.0, 900.0), (1.2, 1e4)] {
+        let [on_floor, clamped] = [STANDS, CLAMPED].map(|hold| found(&mast(head, bending, hold, "")).1);
+        let [on_floor, clamped] = [&on_floor, &clamped].map(|found| found.stability.as_ref().expect("a verdict"));
+        assert_eq!(on_floor.verdict, clamped.verdict, "{head} kg");
+        assert_eq!(on_floor.verdict, if head > 60.0 { Unstable } else { Stable }, "{head} kg");
+        for (one, clamp) in on_floor.modes.iter().zip(&clamped.modes).take(6) {
+            let sizes = [one, clamp].map(|mode| mode.frequency_hz.max(mode.growth_rate));
+            // Squares are known to the rounding of the fastest one, of waves along the mast: some 10^11 per second squared.
+            let [square, other] =
+                sizes.map(|size| if one.growth_rate > 0.0 { size * size } else { (TAU * size).powi(2) });
+            assert!((square - other).abs() < 1e-6 * other + 1e-4, "{head} kg: {square} {other}");
+            assert_eq!(one.growth_rate > 0.0, clamp.growth_rate > 0.0, "{head} kg");
+        }
+    }
+}
+
+/// How far a head may be pushed, and its scene be tilted, until the base tips or slides, while the mast bends with it: right where the pose
+/// that has bent that far begins to fall, and less than of a rigid mast.
+#[test]
+fn ranges_are_those_of_the_mast_that_bends_with_them() {
+    let asked = "statics = { margin = [\"push.force[0]\", \"tilt\"] }\n";
+    let ends = |bending: f64, force: f64| {
+        let text = mast(1.2, bending, STANDS, asked).replace("[0.0, 0.0, 0.0]", &format!("[{force:?}, 0.0, 0.0]"));
+        let found = found(&text).1;
+        let standing = found.standing.expect("a verdict");
+        let tilt = standing.margins.tilt.iter().find(|(name, ..)| name == "+x").map(|(_, tilt, _)| *tilt);
+        (standing.verdict, standing.margins.numbers.first().map(|range| range.range), tilt)
+    };
+    let (verdict, range, tilt) = ends(900.0, 3.0);
+    let (range, tilt) = (range.expect("a range"), tilt.expect("a tilt"));
+    assert_eq!(verdict, Verdict::Stands);
+    let (_, other, _) = ends(900.0, 12.0);
+    let other = other.expect("a range");
+    assert!((range[0] - other[0]).abs() + (range[1] - other[1]).abs() < 1e-6 * range[1], "{range:?} {other:?}");
+    for (force, expected) in [(0.9999, Verdict::Stands), (1.0001, Verdict::Falls)] {
+        assert_eq!(ends(900.0, force * range[1]).0, expected, "{force} of {range:?}");
+        assert_eq!(ends(900.0, force * range[0]).0, expected, "{force} of {range:?}");
+    }
+    // The edge is 0.23 m off, the head 2 m up, which moves by P l³ / 3 EI under P: 0.046 m.
+    let (_, rigid, level) = ends(1e7, 3.0);
+    let (rigid, level) = (rigid.expect("a range"), level.expect("a tilt"));
+    let part = range[1] / rigid[1];
+    assert!(part > 0.95 && part < 0.995 && tilt < level && tilt > 0.95 * level, "{range:?} {rigid:?} {tilt} {level}");
 }

@@ -271,3 +271,38 @@ fn neighbours_that_a_pattern_leaves_out_are_named() {
         assert!(pairs.iter().all(|pair| said.contains(pair)), "{contacts}: {said}");
     }
 }
+
+/// Two boxes on each other, tied by a rod that may squeeze them: forces hold the upper one up to μ N − L₁ whatever the present load, and
+/// from 13.8 N on only what a squeeze loads does.
+#[test]
+fn a_range_ends_where_its_motion_says_whatever_the_present_value() {
+    let bench = Bench::new();
+    bench.write(
+        "scene.toml",
+        "statics = { margin = [\"push.force[0]\"] }\n\
+         [[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n\
+         [[body]]\nname = \"lower\"\nmass = 2.3284\ninertia = [0.02, 0.04, 0.05]\nshape = { box = [0.4242, 0.3278, 0.1188] }\n\
+         hinge = { type = \"free\", position = [0, 0, 0.0594, 1, 0, 0, 0] }\n\
+         [[body]]\nname = \"upper\"\nmass = 6.264\ninertia = [0.08, 0.07, 0.09]\nshape = { box = [0.2892, 0.3157, 0.2272] }\n\
+         hinge = { type = \"free\", position = [0.0387, 0, 0.2324, 1, 0, 0, 0] }\n\
+         [[force]]\nname = \"push\"\ntype = \"load\"\non = { body = \"upper\", at = [0.0649, 0, -0.034] }\nforce = [13.0, 0, -0.0135]\n\
+         [[force]]\nname = \"pull\"\ntype = \"load\"\non = { body = \"upper\", at = [0.028, 0, -0.0794] }\nforce = [-12.0437, 0, -19.0553]\n\
+         [[loop]]\ntype = \"rod\"\nbetween = [{ body = \"upper\", at = [0.1094, 0, 0.0197] }, { body = \"lower\", at = [0.1553, 0, -0.0065] }]\n\
+         length = 0.19933007801132271\n\
+         [[contact]]\nbetween = [\"floor\", \"lower\"]\nfriction = 0.375\n[[contact]]\nbetween = [\"lower\", \"upper\"]\nfriction = 0.3145\n",
+    );
+    // What slides on the floor at last: its friction with all that presses.
+    let most = 0.375 * ((2.3284 + 6.264) * 9.80665 + 0.0135 + 19.0553) + 12.0437;
+    for value in ["-25", "-20", "-5", "5", "13"] {
+        let told =
+            bench.call(&["statics", "scene.toml", "--json", "--set", &format!("push.force[0]={value}")]).code(0).json();
+        let high = told["standing"]["margins"]["push.force[0]"]["high"].as_f64().expect("an end");
+        assert!((high - most).abs() < 1e-6 * most, "{value}: {high} {most}");
+        let notes = told["notes"].as_array().expect("notes");
+        let says =
+            |note: &serde_json::Value| note.as_str().is_some_and(|note| note.contains("only if it has been squeezed"));
+        assert!(notes.iter().any(says), "{value}: {notes:?}");
+    }
+    let told = bench.call(&["statics", "scene.toml", "--json", "--set", "push.force[0]=30"]).json();
+    assert_eq!(told["standing"]["verdict"], "wedged", "{told}");
+}

@@ -54,7 +54,7 @@ impl<'a> Ray<'a> {
     }
 
     /// The end between `low`, which is held, and `high`, which may be; its motion and forces.
-    fn from_outside(&self, mut low: f64, mut high: f64) -> Result<(f64, Grown), Undecided> {
+    fn found_from_outside(&self, mut low: f64, mut high: f64) -> Result<(f64, Grown), Undecided> {
         let mut miss = [f64::NAN; 2];
         let mut width = 1.0 + low.abs();
         for _ in 0..MOST_CUTS {
@@ -138,7 +138,7 @@ impl Supports {
         let holds = unbalanced <= BALANCED * most && outside <= AT_THE_LIMIT * most;
         let end = ray.end(&at, alpha, &motion, &forces);
         if !(holds && (end - alpha).abs() <= SETTLED * most) {
-            let (value, grown) = ray.from_outside(if holds { alpha } else { 0.0 }, end)?;
+            let (value, grown) = ray.found_from_outside(if holds { alpha } else { 0.0 }, end)?;
             if value.abs() > 0.9 * ENDLESS {
                 return Ok(endless(value));
             }
