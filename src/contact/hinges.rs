@@ -28,12 +28,29 @@ pub(crate) struct Support {
     /// What a motion along the first row may use up (m or rad).
     pub(crate) gap: f64,
     pub(crate) law: Law,
+    /// Of what slides, its law if it comes to rest, where that is another one.
+    pub(crate) at_rest: Option<Law>,
 }
 
 impl Support {
     fn of_hinge(id: Id, first: usize, signs: &[f64], gap: f64, law: Law) -> Self {
         let column = |i: usize| signs.get(i).map_or_else(Vec::new, |sign| vec![(first + i, *sign)]);
-        Self { id, columns: [column(0), column(1), column(2)], gap, law }
+        Self { id, columns: [column(0), column(1), column(2)], gap, law, at_rest: None }
+    }
+
+    /// How it slides: `J x` across a contact, all of it in a hinge.
+    pub(crate) fn slid(&self, x: &[f64]) -> Vector3<f64> {
+        let rates = self.rates(x);
+        if let Id::Friction(_) = self.id { rates } else { Vector3::new(0.0, rates.y, rates.z) }
+    }
+
+    /// The scene's own speed across a contact, or that of a hinge (m/s or rad/s).
+    pub(crate) fn speed(&self, model: &Model) -> f64 {
+        let unit = match self.id {
+            Id::Friction(index) if model.lengths().all(|length| length != model.hinge_friction[index].velocity) => 1.0,
+            _ => model.length_scale(),
+        };
+        unit / model.time_scale()
     }
 
     /// `J x`.
@@ -95,15 +112,12 @@ pub(crate) fn supports(model: &Model, q: &[f64], v: &[f64], still: f64) -> Vec<S
     }
     for (index, own) in model.hinge_friction.iter().enumerate().filter(|(_, own)| is_free(own.velocity)) {
         let speed = v[own.velocity..own.velocity + own.count].iter().map(|v| v * v).sum::<f64>().sqrt();
-        let bound = if speed <= still { own.friction.stick } else { own.friction.slide };
-        let signs = [1.0; 3];
-        all.push(Support::of_hinge(
-            Id::Friction(index),
-            own.velocity,
-            &signs[..own.count],
-            0.0,
-            Law::Bounded { bound },
-        ));
+        let [stick, slide] = [own.friction.stick, own.friction.slide].map(|bound| Law::Bounded { bound });
+        let (rests, signs) = (speed <= still, [1.0; 3]);
+        let (id, law) = (Id::Friction(index), if rests { stick } else { slide });
+        let mut support = Support::of_hinge(id, own.velocity, &signs[..own.count], 0.0, law);
+        support.at_rest = (!rests && own.friction.slide < own.friction.stick).then_some(stick);
+        all.push(support);
     }
     all
 }

@@ -3,6 +3,7 @@
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
 use crate::model::problem::number;
+use crate::model::stop::sides;
 use crate::model::{End, Model, StopSide};
 use crate::round_off::{EVENT_TIME, ON_A_LIMIT, SPEED};
 use crate::simulate::contact::Contacts;
@@ -206,11 +207,22 @@ impl Equations {
         powers
     }
 
-    /// Powers for the ledger: captured steps book what their impulses do, by themselves and by drives, at their ends.
+    /// Powers for the ledger: captured steps book what their impulses and stops do, by themselves and by drives, at their ends.
     pub(super) fn booked_powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
         match self.is_captured() {
             true => self.system.at_without_contact(time, q, v).powers(),
             false => self.powers(time, q, v),
+        }
+    }
+
+    /// Lets compliant stops push, or no longer, as a state says by itself: what captured steps go by, who look at none of their events.
+    pub(super) fn press_stops(&mut self, q: &[f64], v: &[f64]) {
+        let Some(nonsmooth) = &self.nonsmooth else { return };
+        for side in sides(&nonsmooth.model.stops) {
+            let stop = &nonsmooth.model.stops[side.stop];
+            if !stop.is_rigid() {
+                self.system.phase_mut().push(side, stop.depth(side.at, q) > 0.0 && stop.push(side.at, q, v) > 0.0);
+            }
         }
     }
 

@@ -354,7 +354,7 @@ impl Run<'_, '_> {
             self.statistics.add(stepper.statistics());
             let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
             if switches && self.hands_back(motion, time) {
-                self.hand_back(motion, time, choice.method)?;
+                self.hand_back(motion, settings, time, choice.method)?;
                 self.mark_all(recorder)?;
             } else if switches {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());

@@ -118,3 +118,42 @@ fn what_flies_after_an_impact_keeps_its_spin() {
     assert!(v[3].hypot(v[4]) < 1e-6, "{v:?}");
     assert!(summary.energy_drift < 1e-4 * summary.energy_largest, "{}", summary.energy_drift);
 }
+
+/// Three links in a row on a cart rest on the floor with a ball each: in front of their hinges the first link's ball presses along them as
+/// hard as one likes. Forces of least norm leave a cone; those that are told do not, and the cart's hinge passes on what is left of the weight.
+#[test]
+fn what_hinges_share_is_told_within_the_cones_and_in_balance() {
+    let (masses, cart, length, angle) = ([1.798, 0.39, 1.3], 2.26, 0.2838275146264348, 0.4469183265819252);
+    let link = |index: usize, parent: &str, at: f64, position: f64| {
+        format!(
+            "[[body]]\nname = \"l{index}\"\nmass = {:?}\ncenter = [{:?}, 0, 0]\ninertia = [1e-4, 0.01, 0.01]\n\
+             shape = {{ sphere = 0.02, at = [{length:?}, 0, 0] }}\nhinge = {{ type = \"revolute\", parent = \"{parent}\", \
+             at = [{at:?}, 0, 0], axis = [0, 1, 0], position = {position:?} }}\n",
+            masses[index],
+            length / 2.0
+        )
+    };
+    let text = format!(
+        "{FLOOR}[[body]]\nname = \"cart\"\nmass = {cart:?}\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ type = \"prismatic\", \
+         at = [0, 0, 0.14266701313225003], axis = [1, 0, 0], velocity = 0.2693836376357617 }}\n{}{}{}\
+         [[contact]]\nbetween = [\"floor\", \"l*\"]\nfriction = {{ stick = 0.2043468096329762, slide = 0.19924885000351006 }}\n",
+        link(0, "cart", 0.0, angle),
+        link(1, "l0", length, -angle),
+        link(2, "l1", length, 0.0)
+    );
+    let (summary, memory) = kept(&read(&text), 0.5, 1e-8, 40.0);
+    assert!(summary.state.velocity.iter().all(|v| *v == 0.0), "{:?}", summary.state.velocity);
+    let (_, pushes) = memory.contacts.last().expect("what it stands on");
+    let (mut lifts, mut pulls) = (0.0, 0.0);
+    for push in pushes.iter() {
+        let [normal, force] = [push.normal, push.force].map(Vector3::from);
+        let bears = normal.dot(&force);
+        // Slacks of cones are found to eight digits.
+        assert!((force - normal * bears).norm() <= 0.2043468096329762 * bears * (1.0 + 1e-6), "{push:?}");
+        (lifts, pulls) = (lifts + force.z, pulls + force.x);
+    }
+    let hinge = memory.samples.last().expect("a sample").reactions[1];
+    let weight = (masses.iter().sum::<f64>() + cart) * 9.80665;
+    assert!((lifts + hinge.force.z - weight).abs() < 1e-9 * weight, "{lifts} {hinge:?} {weight}");
+    assert!(pulls.abs() < 1e-9 * weight, "{pulls}");
+}

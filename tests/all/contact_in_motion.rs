@@ -312,7 +312,7 @@ fn shipped_scenes_run_to_their_end() {
     assert!(count >= 6);
 }
 
-/// Dry friction of a hinge that might touch something, beside a contact that slides: captured steps follow both. A box and a wheel slow down, each by its own friction.
+/// Dry friction of a hinge that might touch something and does not, beside a contact that slides: events follow both. A box and a wheel slow down, each by its own friction.
 #[test]
 fn dry_friction_of_hinges_beside_contacts_that_slide() {
     let mut random = Random::new(0x0f81);
@@ -330,10 +330,11 @@ fn dry_friction_of_hinges_beside_contacts_that_slide() {
         let summary = go(&model, 5.0, 1e-8, Method::Dopri5);
         let (way, turn) = (speed * speed / (2.0 * friction * G), inertia * spin * spin / (2.0 * torque));
         let q = &summary.state.position;
-        assert!((q[0] - way).abs() < 2e-3 * way, "case {case}: {} {way}", q[0]);
-        assert!((q[7] - turn).abs() < 2e-3 * turn, "case {case}: {} {turn}", q[7]);
+        // Between events a parabola and a line: what is left is when they end.
+        assert!((q[0] - way).abs() < 1e-9 * way, "case {case}: {} {way}", q[0]);
+        assert!((q[7] - turn).abs() < 1e-9 * turn, "case {case}: {} {turn}", q[7]);
         assert!(
-            summary.state.velocity.iter().all(|v| *v == 0.0) && summary.capture_steps > 0,
+            summary.state.velocity.iter().all(|v| *v == 0.0) && summary.capture_steps == 0,
             "case {case}: {summary:?}"
         );
     }
@@ -370,12 +371,16 @@ fn recorded_contacts_are_what_moves_a_body() {
     for case in 0..12 {
         let (mass, friction) = (random.between(0.5, 3.0), random.between(0.1, 0.6));
         let speed = if case % 3 == 0 { 0.0 } else { random.between(0.5, 2.0) };
-        let wheel = "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { sphere = 0.1, at = [0, 0, 3] }\n\
-                     hinge = { type = \"revolute\", axis = [0, 0, 1], velocity = [1.0], friction = 0.1 }\n";
+        // A foot that glides along the floor on a slider with dry friction: captured steps follow both.
+        let slider = "[[body]]\nname = \"slider\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+                      hinge = { type = \"prismatic\", axis = [1, 0, 0], at = [0, 20, 1], velocity = 1.0, friction = 0.1 }\n\
+                      [[body]]\nname = \"foot\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = { sphere = 0.1 }\n\
+                      hinge = { type = \"prismatic\", parent = \"slider\", axis = [0, 0, 1], position = -0.9 }\n\
+                      [[contact]]\nbetween = [\"floor\", \"foot\"]\nfriction = 0.0\n";
         let text = FLOOR.to_owned()
             + &body("box", mass, [0.01; 3], "{ box = [0.2, 0.2, 0.1] }", level(0.05), [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
-            + if case % 3 == 2 { wheel } else { "" }
-            + &contact(friction, 0.0);
+            + &contact(friction, 0.0)
+            + if case % 3 == 2 { slider } else { "" };
         let model = read(&text);
         let settings = Settings { start: simulate::Start::Given, duration: 0.1, ..Settings::default() };
         let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
@@ -390,7 +395,8 @@ fn recorded_contacts_are_what_moves_a_body() {
                 let sign = if one.between[1] == "box" { 1.0 } else { -1.0 };
                 Vector3::from(one.force) * sign
             };
-            let sum: Vector3<f64> = contacts.iter().map(on_box).sum();
+            let contacts: Vec<_> = contacts.iter().filter(|one| one.between.iter().any(|name| name == "box")).collect();
+            let sum: Vector3<f64> = contacts.iter().map(|one| on_box(one)).sum();
             let a = Vector3::new(sample.accelerations[0], sample.accelerations[1], sample.accelerations[2] + G);
             // Captured steps have the forces of their steps.
             let slack = if summary.capture_steps > 0 { 1e-5 } else { 1e-9 };

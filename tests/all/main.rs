@@ -9,6 +9,7 @@ mod architecture;
 mod beams;
 mod bounces;
 mod building;
+mod captured;
 mod cli;
 mod closed_forms;
 mod common;

@@ -11,7 +11,7 @@
 //! every step ([`super::raise`]), and steps may be halved. What bounces is left alone until it has met: a step that ended on the way would take its speed.
 //! Coordinates of trees are put back on their rigid limits. Dry friction of hinges is bounded in (2). The method has order 1 at impacts and
 //! order 2 where contacts roll, and what spins keeps its energy: the midpoint rule has no growth of its own. A step and its two halves are
-//! compared in positions, as velocities jump at impacts, and the halves are kept.
+//! compared in positions, and where nothing strikes in velocities, too, which jump at impacts; the halves are kept.
 
 use super::moreau::{Ahead, Ask, Made, SWEEPS_OF_STEP, moreau};
 use super::{Contacts, Regime};
@@ -81,7 +81,7 @@ impl Memory {
     }
 
     /// Contacts that pushed in the last step, and with what.
-    pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> {
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> + Clone {
         self.forces.iter().filter_map(|(id, force)| match id {
             Id::Contact(key) => Some((key, force)),
             Id::Stop(_) | Id::Friction(_) => None,
@@ -125,13 +125,22 @@ impl Capture {
         let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
         let ask = Ask { warm: &warm, fine, sweeps: SWEEPS_OF_STEP, ahead: Ahead::Strikes };
+        let pushing = motion.system.phase().pushing.clone();
         let whole = moreau(motion, time, [q, v], step, ask)?;
         let first = moreau(motion, time, [q, v], 0.5 * step, ask)?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
         let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, Ask { warm: &first.forces, ..ask })?;
-        let both = whole.position.iter().zip(&made.position);
-        let off = both.zip(&self.scales).map(|((a, b), scale)| (a - b).abs() / scale);
-        let error = off.fold(0.0, f64::max) / self.tolerance;
+        motion.system.phase_mut().pushing = pushing;
+        let off = |[a, b]: [&[f64]; 2], scales: &[f64]| {
+            let both = a.iter().zip(b).zip(scales);
+            both.map(|((a, b), scale)| (a - b).abs() / scale).fold(0.0, f64::max)
+        };
+        let mut error = off([&whole.position, &made.position], &self.scales) / self.tolerance;
+        // Where nothing is struck velocities go on, and what a turn leaves of them stays.
+        if !(whole.struck || first.struck || made.struck) {
+            let off = off([&whole.velocity, &made.velocity], motion.scales().1);
+            error = error.max(off.max(first.turned).max(made.turned) / self.tolerance);
+        }
         made.lost += first.lost;
         made.work += first.work;
         made.opposed += first.opposed;
@@ -349,12 +358,16 @@ impl Contacts {
     /// Whether events may take over again.
     pub(in crate::simulate) fn is_calm(&self, time: f64) -> bool {
         let few = 3 * self.memory.active.len() <= super::MOST_ROWS && self.pairs.couples.len() <= super::MOST_COUPLES;
-        // Dry friction and rigid stops that press are followed by captured steps alone.
-        let hinges = self.memory.active.iter().any(|id| !matches!(id, Id::Contact(_)));
-        let hinges = hinges || !self.model.hinge_friction.is_empty();
+        let stopped = self.memory.active.iter().filter_map(|id| match id {
+            Id::Stop(side) => Some(self.model.stops[side.stop].velocity),
+            Id::Contact(_) | Id::Friction(_) => None,
+        });
+        let stopped: Vec<usize> = stopped.collect();
+        let mut contacts = self.memory.pairs().map(|(key, _)| key.couple);
+        let tied = contacts.clone().any(|couple| self.is_tied(couple, &stopped));
         // What touches nothing is left to itself at once.
-        let until = if self.memory.active.is_empty() { f64::NEG_INFINITY } else { self.stretch.until };
-        self.is_captured() && few && !hinges && self.memory.calm >= CALM && time >= until
+        let until = if contacts.next().is_none() { f64::NEG_INFINITY } else { self.stretch.until };
+        self.is_captured() && few && !tied && self.memory.calm >= CALM && time >= until
     }
 
     /// Whether nothing has moved for some captured steps.

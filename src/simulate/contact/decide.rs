@@ -135,6 +135,25 @@ impl Contacts {
         Ok(changed)
     }
 
+    /// Whether anything that touches, or strikes, hangs together with dry friction of hinges or with what is `stopped` (velocity coordinates).
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    pub(in crate::simulate) fn is_tied_up(
+        &mut self,
+        system: &mut System,
+        time: f64,
+        state: &State,
+        stopped: &[usize],
+    ) -> Result<bool, Fault> {
+        if self.model.hinge_friction.is_empty() && stopped.is_empty() {
+            return Ok(false);
+        }
+        let (frames, _) = self.meet(system, time, state)?;
+        let mut touching = frames.iter().filter(|frame| frame.speed.x < self.rest);
+        Ok(touching.any(|frame| self.is_tied(frame.key.couple, stopped)))
+    }
+
     fn say(&self, kind: Kind, couple: usize, speed: f64) -> Told {
         Told { kind, between: self.between(couple), rule: self.pairs.couples[couple].rule, speed }
     }

@@ -250,15 +250,26 @@ impl Contacts {
         self.still = still.clamp(self.slow, self.kept);
     }
 
-    /// Whether what moves along a velocity coordinate may touch something, by itself or through what hangs together with it.
+    /// Whether what moves along a velocity coordinate touches something, by itself or through what hangs together with it.
     pub(super) fn is_beside(&self, velocity: usize) -> bool {
+        self.closed.iter().any(|closed| self.hangs_on(closed.key.couple, velocity))
+    }
+
+    /// Whether the shapes of a couple hang together with a velocity coordinate.
+    fn hangs_on(&self, couple: usize, velocity: usize) -> bool {
         let links = &self.model.links;
-        let touches = |piece: &crate::contact::pairs::Piece| {
-            let way = std::iter::successors(Some(piece.link), |at| Some(links[*at].parent)).take_while(|at| *at != 0);
-            way.into_iter()
-                .any(|at| links[at].joint.counts().1 > 0 && self.trees.hang_together(links[at].velocity, velocity))
-        };
-        self.pairs.couples.iter().flat_map(|couple| couple.pieces).any(|piece| touches(&self.pairs.pieces[piece]))
+        self.pairs.couples[couple].pieces.iter().any(|piece| {
+            let way = std::iter::successors(Some(self.pairs.pieces[*piece].link), |at| Some(links[*at].parent));
+            let mut way = way.take_while(|at| *at != 0).filter(|at| links[*at].joint.counts().1 > 0);
+            way.any(|at| self.trees.hang_together(links[at].velocity, velocity))
+        })
+    }
+
+    /// Whether the shapes of a couple hang together with dry friction of hinges, or with what is `stopped` (velocity coordinates): captured
+    /// steps alone follow both at once.
+    fn is_tied(&self, couple: usize, stopped: &[usize]) -> bool {
+        let rubs = self.model.hinge_friction.iter().map(|own| own.velocity);
+        rubs.chain(stopped.iter().copied()).any(|velocity| self.hangs_on(couple, velocity))
     }
 
     /// Whether captured steps are at work.

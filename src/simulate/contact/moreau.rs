@@ -8,7 +8,9 @@ use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::Key;
 use crate::dynamics::{Factorized, Fault, System};
+use crate::model::Model;
 use crate::simulate::problem::Equations;
+use crate::simulate::stops::nonsmooth::Nonsmooth;
 use nalgebra::{Matrix3, Vector3};
 
 /// What has sunk or rises has turned by as much: features count to this part of a size beyond where they do. Edges that lie across each other would lose
@@ -27,12 +29,13 @@ const NEARLY: f64 = 1e-6;
 const IMMOVABLE: f64 = 1e-12;
 
 /// A step and what it did.
+#[derive(Default)]
 pub(super) struct Made {
     pub(super) position: Vec<f64>,
     pub(super) velocity: Vec<f64>,
     /// Impulses over the length of the step (N, N m).
     pub(super) forces: Vec<(Id, Vector3<f64>)>,
-    /// What impulses take out (J).
+    /// What impulses and compliant stops take out (J).
     pub(super) lost: f64,
     /// What drives put into impulses (J).
     pub(super) work: f64,
@@ -42,6 +45,11 @@ pub(super) struct Made {
     pub(super) found: bool,
     /// How often less came back than restitution says, for it would have gained energy.
     pub(super) held_back: usize,
+    /// Whether anything was struck, so that velocities have jumped.
+    pub(super) struck: bool,
+    /// How fast at its beginning what turned back against its friction in it slid (parts of the scene's speeds): friction pushed as it does behind
+    /// the turn in all of the step, and what that errs by is no more.
+    pub(super) turned: f64,
 }
 
 impl Contacts {
@@ -50,13 +58,14 @@ impl Contacts {
         let contact = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
             // What slides has the friction of motion to the end of the step; what rests gives way at its limit and has it from the next one on.
-            let has = if frame.slip().norm() > self.kept { friction.slide } else { friction.stick };
-            let law = Law::Coulomb { stick: has, slide: has };
+            let slides = frame.slip().norm() > self.kept;
+            let [stick, slide] = [friction.stick, friction.slide].map(|has| Law::Coulomb { stick: has, slide: has });
             let (columns, gap) = (frame.columns.clone(), frame.meeting.gap);
-            Support { id: Id::Contact(frame.key), columns, gap, law }
+            let at_rest = (slides && friction.slide < friction.stick).then_some(stick);
+            Support { id: Id::Contact(frame.key), columns, gap, law: if slides { slide } else { stick }, at_rest }
         };
         let mut all: Vec<Support> = frames.iter().map(contact).collect();
-        all.extend(hinges::supports(&self.model, q, v, self.slow));
+        all.extend(hinges::supports(&self.model, q, v, self.kept));
         all
     }
 
@@ -268,6 +277,52 @@ fn bounced(
     (least, true)
 }
 
+/// Gives what slides and has more friction at rest that at its turn (`rests`), or takes it away again; whether there is any.
+fn turn(problem: &mut Problem, supports: &[Support], h: f64, wanted: impl Fn(&Support) -> bool, rests: bool) -> bool {
+    let mut any = false;
+    for (support, law) in supports.iter().zip(&mut problem.laws) {
+        let Some(at_rest) = support.at_rest.filter(|_| wanted(support)) else { continue };
+        let next = if rests { at_rest } else { support.law }.times(h);
+        any |= *law != next;
+        *law = next;
+    }
+    any
+}
+
+/// How fast what turns back in a step slides at its beginning (parts of the scene's speeds).
+fn turned(model: &Model, supports: &[Support], [v, after]: [&[f64]; 2]) -> f64 {
+    let turns = |support: &&Support| support.slid(v).dot(&support.slid(after)) < 0.0;
+    supports.iter().filter(turns).map(|support| support.slid(v).norm() / support.speed(model)).fold(0.0, f64::max)
+}
+
+/// (2) with the friction of what turns: that at rest, if it holds. From the velocity without impulses to that with them; whether rebounds
+/// are held back. What slides faster than `kept` behind the step has not been held.
+fn pushed(
+    problem: &mut Problem,
+    supports: &[Support],
+    blocks: &Blocks,
+    (v, velocity): (&[f64], &mut Vec<f64>),
+    (h, kept): (f64, f64),
+    solve: impl Fn(&mut Problem) -> (Swept, bool),
+) -> (Swept, bool) {
+    let flown = velocity.clone();
+    let mut answer = solve(problem);
+    blocks.push(&answer.0.forces, velocity);
+    let comes_to_rest = |support: &Support| support.slid(v).dot(&support.slid(velocity)) <= 0.0;
+    if turn(problem, supports, h, comes_to_rest, true) {
+        answer = solve(problem);
+        velocity.clone_from(&flown);
+        blocks.push(&answer.0.forces, velocity);
+        // What its friction at rest does not hold slides back.
+        if turn(problem, supports, h, |support| support.slid(velocity).norm() > kept, false) {
+            answer = solve(problem);
+            *velocity = flown;
+            blocks.push(&answer.0.forces, velocity);
+        }
+    }
+    answer
+}
+
 /// (1) and (2).
 pub(super) fn moreau(
     motion: &mut Equations,
@@ -280,21 +335,16 @@ pub(super) fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    let Equations { contacts, system, .. } = motion;
+    motion.press_stops(&position, v);
+    let Equations { contacts, system, nonsmooth, .. } = motion;
     let flies = fly(system, time + 0.5 * h, [&position, v], h, &mut velocity)?;
+    let middle: Vec<f64> = v.iter().zip(&velocity).map(|(v, after)| 0.5 * (v + after)).collect();
+    let damped = |nonsmooth: &Nonsmooth| h * nonsmooth.dissipated(system.phase(), &position, &middle);
+    let by_stops = nonsmooth.as_ref().map_or(0.0, damped);
     let mut mass =
         system.at_without_contact(time + 0.5 * h, &position, v).into_accelerations(&mut vec![0.0; v.len()])?;
     let Some(contacts) = contacts else {
-        return Ok(Made {
-            position,
-            velocity,
-            forces: Vec::new(),
-            lost: 0.0,
-            work: 0.0,
-            opposed: 0.0,
-            found: flies,
-            held_back: 0,
-        });
+        return Ok(Made { position, velocity, found: flies, ..Made::default() });
     };
     let mut frames = contacts.ahead(mass.motion(), h);
     let mut supports = contacts.supports(&frames, &position, v);
@@ -328,11 +378,17 @@ pub(super) fn moreau(
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
+    let solve = |problem: &mut Problem| {
+        bounced(problem, &rebounds, &free, |problem| problem.sweep_to(&guesses, fine / h, sweeps))
+    };
     let (mut found, held_back) =
-        bounced(&mut problem, &rebounds, &free, |problem| problem.sweep_to(&guesses, fine / h, sweeps));
-    blocks.push(&found.forces, &mut velocity);
+        pushed(&mut problem, &supports, &blocks, (v, &mut velocity), (h, contacts.kept), solve);
     drag(&mut mass, &problem, &supports, &velocity, &mut found.forces, contacts.slow);
-    let (mut lost, mut opposed) = (0.0, 0.0);
+    let struck = supports.iter().zip(&found.forces).any(|(support, force)| {
+        !matches!(support.id, Id::Friction(_)) && force.x > 0.0 && along(&support.columns[0], v) < -contacts.rest
+    });
+    let turned = turned(&contacts.model, &supports, [v, &velocity]);
+    let (mut lost, mut opposed) = (by_stops, 0.0);
     for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
         // Positions go ½ h (v + v⁺): along that impulses do their work.
         lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
@@ -353,5 +409,7 @@ pub(super) fn moreau(
         opposed,
         found: found.found && flies,
         held_back: usize::from(held_back),
+        struck,
+        turned,
     })
 }

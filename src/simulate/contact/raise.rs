@@ -80,6 +80,7 @@ impl Equations {
                 columns: frame.columns.clone(),
                 gap: frame.meeting.gap,
                 law: Law::Coulomb { stick: 0.0, slide: 0.0 },
+                at_rest: None,
             })
             .collect();
         // Rigid stops keep hinges from being moved beyond them.

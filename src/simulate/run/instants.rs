@@ -62,7 +62,7 @@ impl Run<'_, '_> {
     }
 
     /// Decides anew what strikes, rests and sticks at a time at which what acts has changed.
-    fn resolve(&mut self, motion: &mut Equations, settings: &Settings, time: f64) -> Result<(), RunError> {
+    pub(super) fn resolve(&mut self, motion: &mut Equations, settings: &Settings, time: f64) -> Result<(), RunError> {
         if let Some(events) = &mut self.events {
             let outcome = instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, None)?;
             self.ledger.lose(outcome.lost);

@@ -58,14 +58,16 @@ impl Run<'_, '_> {
     /// # Errors
     /// [`RunError::Touch`], or a state that cannot be evaluated.
     pub(super) fn touch(&mut self, motion: &mut Equations, time: f64, at_limit: bool) -> Result<(), RunError> {
+        let stopped: Vec<usize> =
+            motion.held().iter().filter(|held| held.stop.is_some()).map(|held| held.velocity).collect();
         let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
         if contacts.is_captured() {
             return Ok(());
         }
-        let rubs = self.model.hinge_friction.iter().any(|own| contacts.is_beside(own.velocity));
-        if rubs && !contacts.is_at_rest() {
-            // Dry friction of hinges beside contacts is followed by captured steps alone.
-            return self.capture_or(motion, time, || "dry friction of hinges beside it".to_owned());
+        let fault = |fault| RunError::Sample { time, fault };
+        if !contacts.is_at_rest() && contacts.is_tied_up(system, time, &self.state, &stopped).map_err(fault)? {
+            // Dry friction of hinges, or a stop that holds, and contacts in one tree are followed by captured steps alone.
+            return self.capture_or(motion, time, || "dry friction of hinges, or a stop, beside it".to_owned());
         }
         let before = system.at(time, &self.state.position, &self.state.velocity).energies();
         let kept = self.state.clone();
@@ -186,7 +188,13 @@ impl Run<'_, '_> {
     ///
     /// # Errors
     /// As [`Run::touch`].
-    pub(super) fn hand_back(&mut self, motion: &mut Equations, time: f64, method: Method) -> Result<(), RunError> {
+    pub(super) fn hand_back(
+        &mut self,
+        motion: &mut Equations,
+        settings: &Settings,
+        time: f64,
+        method: Method,
+    ) -> Result<(), RunError> {
         let Some(contacts) = &mut motion.contacts else { return Ok(()) };
         if contacts.is_still() {
             self.state.velocity.fill(0.0);
@@ -199,6 +207,8 @@ impl Run<'_, '_> {
             }
         } else {
             contacts.end_capture();
+            // Stops and dry friction hold by themselves again.
+            self.resolve(motion, settings, time)?;
             self.touch(motion, time, false)?;
         }
         if !motion.is_captured() {
