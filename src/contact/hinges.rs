@@ -46,17 +46,22 @@ impl Support {
 
     /// The scene's own speed across a contact, or that of a hinge (m/s or rad/s).
     pub(crate) fn speed(&self, model: &Model) -> f64 {
-        let unit = match self.id {
-            Id::Friction(index) if model.lengths().all(|length| length != model.hinge_friction[index].velocity) => 1.0,
-            _ => model.length_scale(),
-        };
-        unit / model.time_scale()
+        match self.id {
+            Id::Friction(index) => speed(model, model.hinge_friction[index].velocity),
+            Id::Contact(_) | Id::Stop(_) => model.length_scale() / model.time_scale(),
+        }
     }
 
     /// `J x`.
     pub(crate) fn rates(&self, x: &[f64]) -> Vector3<f64> {
         Vector3::from_fn(|i, _| along(&self.columns[i], x))
     }
+}
+
+/// The scene's own speed along a velocity coordinate (m/s or rad/s).
+pub(crate) fn speed(model: &Model, velocity: usize) -> f64 {
+    let unit = if model.lengths().any(|length| length == velocity) { model.length_scale() } else { 1.0 };
+    unit / model.time_scale()
 }
 
 /// Puts coordinates that have passed rigid limits back on them: of trees each by itself, beside loops, drives and gears one after the other by

@@ -84,7 +84,8 @@ fn what_turns_rests_if_its_friction_at_rest_holds_it() {
         let half = std::f64::consts::PI / stiffness.sqrt();
         let turns = ((far - expected.abs()) / (2.0 * slide / stiffness)).round();
         let duration = half * (turns + 2.0);
-        for (text, allowed) in [(flies(&hinge), 1e-9), (glides(&hinge), 2e-3)] {
+        // Ten times the tolerance, and half its digits in parts of the scene's speed for some swings.
+        for (text, allowed) in [(flies(&hinge), 1e-7), (glides(&hinge), 2e-3)] {
             let summary = go(&read(&text), duration, 1e-8, Method::Dop853);
             let off = (at(&summary)[0] - expected).abs();
             assert!(off < allowed * far, "case {case}: {:?} {expected}\n{text}", at(&summary));
@@ -109,10 +110,10 @@ fn compliant_stops_push_in_captured_steps_as_they_do_between_events() {
         let captured = go(&read(&glides(&hinge)), duration, 1e-8, Method::Dop853);
         assert!(captured.capture_steps > 0 && exact.capture_steps == 0, "case {case}");
         let ([q, v], [x, u]) = (at(&exact), at(&captured));
-        // Half the digits of the tolerance, at each end of the stop's push.
-        assert!((q - x).abs() < 2e-3 && (v - u).abs() < 4e-3 * speed, "case {case}: {q} {v}, {x} {u}: {hinge}");
+        // Half the digits of the tolerance, in parts of the scene's speed and length, for what the spring makes of it.
+        assert!((q - x).abs() < 1e-3 && (v - u).abs() < 1e-3 * speed, "case {case}: {q} {v}, {x} {u}: {hinge}");
         let energy = 0.5 * speed * speed;
         let taken = [exact.dissipated, captured.dissipated];
-        assert!((taken[0] - taken[1]).abs() < 1e-2 * energy, "case {case}: {taken:?} of {energy} J: {hinge}");
+        assert!((taken[0] - taken[1]).abs() < 2e-3 * energy, "case {case}: {taken:?} of {energy} J: {hinge}");
     }
 }

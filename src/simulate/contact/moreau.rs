@@ -47,8 +47,8 @@ pub(super) struct Made {
     pub(super) held_back: usize,
     /// Whether anything was struck, so that velocities have jumped.
     pub(super) struck: bool,
-    /// How fast at its beginning what turned back against its friction in it slid (parts of the scene's speeds): friction pushed as it does behind
-    /// the turn in all of the step, and what that errs by is no more.
+    /// How fast at its beginning what turned back against its friction in it slid (parts of the scene's speeds), for friction pushed in all of
+    /// the step as it does behind the turn, or what a damper that is run into changes in it: what either errs by is no more.
     pub(super) turned: f64,
 }
 
@@ -289,6 +289,20 @@ fn turn(problem: &mut Problem, supports: &[Support], h: f64, wanted: impl Fn(&Su
     any
 }
 
+/// What dampers of compliant stops that are run into in a step accelerate their coordinates with at once (parts of the scene's speeds, per second):
+/// they push in all of the step or in none of it.
+fn run_into(mass: &mut Factorized<'_>, nonsmooth: &Nonsmooth, from: [&[f64]; 2], to: [&[f64]; 2]) -> f64 {
+    let jumps = nonsmooth.run_into(from, to);
+    if jumps.is_empty() {
+        return 0.0;
+    }
+    let mut inertia = vec![0.0; from[1].len()];
+    mass.articulated_inertia(&mut inertia);
+    let model = mass.system().model();
+    let each = |(velocity, force): &(usize, f64)| force / inertia[*velocity] / hinges::speed(model, *velocity);
+    jumps.iter().map(each).fold(0.0, f64::max)
+}
+
 /// How fast what turns back in a step slides at its beginning (parts of the scene's speeds).
 fn turned(model: &Model, supports: &[Support], [v, after]: [&[f64]; 2]) -> f64 {
     let turns = |support: &&Support| support.slid(v).dot(&support.slid(after)) < 0.0;
@@ -387,7 +401,7 @@ pub(super) fn moreau(
     let struck = supports.iter().zip(&found.forces).any(|(support, force)| {
         !matches!(support.id, Id::Friction(_)) && force.x > 0.0 && along(&support.columns[0], v) < -contacts.rest
     });
-    let turned = turned(&contacts.model, &supports, [v, &velocity]);
+    let mut turned = turned(&contacts.model, &supports, [v, &velocity]);
     let (mut lost, mut opposed) = (by_stops, 0.0);
     for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
         // Positions go ½ h (v + v⁺): along that impulses do their work.
@@ -398,6 +412,9 @@ pub(super) fn moreau(
     let mut end = position.clone();
     System::displace(&contacts.model, &mut end, &half(&velocity));
     hinges::within_limits(&mut mass, &mut end);
+    if let Some(nonsmooth) = nonsmooth {
+        turned = turned.max(run_into(&mut mass, nonsmooth, [q, v], [&end, &velocity]) * h);
+    }
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
     Ok(Made {

@@ -196,6 +196,17 @@ impl Nonsmooth {
         sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.at, q)).sum()
     }
 
+    /// Where a compliant stop is run into between two states, what its damper pushes with at once (N or N m), by velocity coordinate.
+    pub(in crate::simulate) fn run_into(&self, from: [&[f64]; 2], to: [&[f64]; 2]) -> Vec<(usize, f64)> {
+        let of_side = |side: StopSide| {
+            let stop = &self.model.stops[side.stop];
+            let StopLaw::Compliant { damping, .. } = stop.law else { return None };
+            let pushes = |[q, v]: [&[f64]; 2]| stop.depth(side.at, q) > 0.0 && stop.push(side.at, q, v) > 0.0;
+            (!pushes(from) && pushes(to)).then(|| (stop.velocity, damping * from[1][stop.velocity].abs()))
+        };
+        sides(&self.model.stops).filter_map(of_side).collect()
+    }
+
     /// (3) of all stops and what friction takes out of all that slides (W).
     pub(in crate::simulate) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
         let of_side = |side: StopSide| {
