@@ -217,3 +217,39 @@ fn an_arm_on_a_spring_settles_on_a_foot() {
         assert!((spring + weight).abs() < 1e-11 * (1.0 + tension.abs()), "case {case}: {spring} {weight}");
     }
 }
+
+/// Capsules without friction whose centre of mass is off their axis, in funnels: nothing turns them about that axis but their weight, which
+/// hangs below it at last.
+#[test]
+fn a_capsule_settles_with_its_heavy_side_down() {
+    let funnels = [
+        "{ plane = [-0.5144, 0.1882, 0.8366], at = [0.1131, -0.0021, 0] }, { plane = [-0.2434, -0.6088, 0.7551], at = [0.0321, 0.192, 0] }, \
+         { plane = [0.4964, -0.3115, 0.8103], at = [-0.0266, 0.0502, 0] }, { plane = [0.2332, 0.3405, 0.9109], at = [-0.07, -0.0382, 0] }",
+        "{ plane = [0.7915, -0.241, 0.5617], at = [-0.1043, 0.0789, 0] }, { plane = [0.1068, 0.1974, 0.9745], at = [-0.0411, -0.0271, 0] }, \
+         { plane = [-0.31, 0.561, 0.7676], at = [0.0771, -0.0038, 0] }, { plane = [-0.4815, -0.0872, 0.8721], at = [0.0427, 0.021, 0] }, \
+         { plane = [-0.1271, -0.7863, 0.6046], at = [0.0243, 0.0924, 0] }",
+    ];
+    let capsules = [
+        ([-0.023, 0.0074, 0.0166], [0.0976, 0.3064], [-0.0081, -0.0875, 1.2, 0.88774, 0.28104, 0.28815, -0.22338]),
+        ([0.0036, -0.0184, 0.0218], [0.0973, 0.3608], [0.0925, 0.0212, 1.2, -0.736, 0.35512, -0.48407, 0.31285]),
+    ];
+    for (planes, (center, shape, mut start)) in funnels.iter().zip(capsules) {
+        let size = start[3..].iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
+        start[3..].iter_mut().for_each(|x| *x /= size);
+        let text = format!(
+            "gravity = [0, 0, -9.81]\n[[body]]\nname = \"funnel\"\nshape = [{planes}]\nhinge = {{ type = \"fixed\" }}\n\
+             [[body]]\nname = \"capsule\"\nmass = 1.0\ncenter = {center:?}\ninertia = [0.01, 0.01, 0.01]\n\
+             shape = {{ capsule = {shape:?} }}\nhinge = {{ type = \"free\", position = {start:?} }}\n\
+             [[contact]]\nbetween = [\"capsule\", \"funnel\"]\nfriction = 0.0\n"
+        );
+        let (_, found) = settled(&text);
+        let found = found.unwrap_or_else(|why| panic!("{why}\n{text}"));
+        assert!(found.converged, "{:?}\n{text}", found.notes);
+        let q = &found.position[3..7];
+        let turn = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]));
+        let across = Vector3::new(center[0], center[1], 0.0).normalize();
+        // Across the axis, the weight pulls to where the centre is and no way beside it: to the rounding of positions over its arm.
+        let (to_center, beside) = (turn * across, turn * Vector3::z().cross(&across));
+        assert!(to_center.z < 0.0 && beside.z.abs() < 1e-9, "{to_center} {beside}\n{text}");
+    }
+}
