@@ -401,7 +401,6 @@ pub(super) fn moreau(
     let struck = supports.iter().zip(&found.forces).any(|(support, force)| {
         !matches!(support.id, Id::Friction(_)) && force.x > 0.0 && along(&support.columns[0], v) < -contacts.rest
     });
-    let mut turned = turned(&contacts.model, &supports, [v, &velocity]);
     let (mut lost, mut opposed) = (by_stops, 0.0);
     for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
         // Positions go ½ h (v + v⁺): along that impulses do their work.
@@ -412,9 +411,8 @@ pub(super) fn moreau(
     let mut end = position.clone();
     System::displace(&contacts.model, &mut end, &half(&velocity));
     hinges::within_limits(&mut mass, &mut end);
-    if let Some(nonsmooth) = nonsmooth {
-        turned = turned.max(run_into(&mut mass, nonsmooth, [q, v], [&end, &velocity]) * h);
-    }
+    let stops = nonsmooth.as_ref().map_or(0.0, |stops| run_into(&mut mass, stops, [q, v], [&end, &velocity]));
+    let turned = turned(&contacts.model, &supports, [v, &velocity]).max(h * stops);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
     Ok(Made {
