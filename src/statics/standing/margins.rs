@@ -27,7 +27,16 @@ pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearer
     let Standing { description, pose, .. } = stands;
     // Where something follows the load, what of it a squeeze bears is not asked.
     let follows = bearers.pushed.iter().any(|pushed| !pushed);
-    let mut unsqueezed = if asked.numbers.is_empty() || follows { None } else { bearers.unsqueezed()? };
+    let mut unsqueezed = match asked.numbers.is_empty() || follows {
+        true => None,
+        false => bearers.unsqueezed().or_else(|why| match why {
+            why @ Undecided::Inexact { .. } => {
+                margins.notes.push(format!("what of the ranges only a squeeze bears is not known: {why}"));
+                Ok(None)
+            }
+            why => Err(why),
+        })?,
+    };
     for parameter in &asked.numbers {
         let range = match follows {
             true => following_interval(stands, bearers, parameter),
