@@ -237,7 +237,7 @@ fn a_capsule_settles_with_its_heavy_side_down() {
         let size = start[3..].iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
         start[3..].iter_mut().for_each(|x| *x /= size);
         let text = format!(
-            "gravity = [0, 0, -9.81]\n[[body]]\nname = \"funnel\"\nshape = [{planes}]\nhinge = {{ type = \"fixed\" }}\n\
+            "[[body]]\nname = \"funnel\"\nshape = [{planes}]\nhinge = {{ type = \"fixed\" }}\n\
              [[body]]\nname = \"capsule\"\nmass = 1.0\ncenter = {center:?}\ninertia = [0.01, 0.01, 0.01]\n\
              shape = {{ capsule = {shape:?} }}\nhinge = {{ type = \"free\", position = {start:?} }}\n\
              [[contact]]\nbetween = [\"capsule\", \"funnel\"]\nfriction = 0.0\n"
