@@ -1,10 +1,14 @@
 //! Many runs, and many cases, on all processors.
 
+use crate::NoEquilibrium;
 use crate::dynamics::shown;
+use crate::equilibrium::Equilibrium;
 use crate::interrupt::Interrupt;
 use crate::run::{Asked, Done};
+use crate::scene::Scene;
+use crate::start::{Keywords, Refused};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString};
 use std::convert::Infallible;
@@ -12,6 +16,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use stillpoint::scenario::{Override, Scenario};
+use stillpoint::spatial::lanes::WIDTH;
 use stillpoint::study::{Axis, Cases, Cell, Column, Draw, Kind, Plan, Question, Row, Sampling, Variation, pool};
 use stillpoint::suggest::closest;
 
@@ -36,30 +41,98 @@ pub(crate) fn list<'py>(name: &str, given: &Bound<'py, PyAny>, expected: &str) -
     given.try_iter().map_err(|_| refused())?.collect()
 }
 
-/// Runs each of those that are there, on so many threads.
-pub(crate) fn each(
-    runs: &[Option<&Asked>],
-    threads: usize,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Vec<Option<Option<Done>>> {
+/// A case that has been worked on: what was asked for, and what came of it, or why there is nothing.
+type Case = Result<(Asked, Option<Done>), Refused>;
+
+/// The outcome of one case; what ends everything, as Ctrl-C does, is none of one.
+pub(crate) fn unless_ended<T>(py: Python<'_>, of: PyResult<T>) -> PyResult<PyResult<T>> {
+    match of {
+        Err(error) if !error.is_instance_of::<PyException>(py) => Err(error),
+        other => Ok(other),
+    }
+}
+
+/// A run of a scene for each of several settings, on so many threads, side by side where `lanes` allows it: in the place of one that
+/// fails its exception.
+pub(crate) fn runs<'py>(
+    scene: &Bound<'py, Scene>,
+    sets: &[PyResult<Vec<String>>],
+    keywords: &Keywords,
+    (threads, lanes): (usize, bool),
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let py = scene.py();
+    let interrupt = Interrupt::new();
+    let (watched, this) = (&interrupt, scene.get());
+    let some = if lanes { WIDTH } else { 1 };
+    let texts: Vec<Option<&[String]>> = sets.iter().map(|set| set.as_deref().ok()).collect();
+    let groups: Vec<&[Option<&[String]>]> = texts.chunks(some).collect();
     let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<Option<Option<Done>>>> = Mutex::new(runs.iter().map(|_| None).collect());
+    let done: Mutex<Vec<Vec<Option<Case>>>> = Mutex::new(groups.iter().map(|_| Vec::new()).collect());
     let work = || {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(asked) = runs.get(index) else { return };
-            let Some(asked) = asked.filter(|_| go_on()) else { continue };
-            let run = asked.go(&mut || go_on(), None);
-            done.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(run);
+            let Some(group) = groups.get(index) else { return };
+            let cases = together(this, group, keywords, &|| watched.go_on());
+            done.lock().unwrap_or_else(PoisonError::into_inner)[index] = cases;
         }
     };
-    std::thread::scope(|scope| {
-        for _ in 1..threads.min(runs.len().max(1)) {
-            scope.spawn(work);
-        }
-        work();
+    py.detach(|| {
+        std::thread::scope(|scope| {
+            for _ in 1..threads.min(groups.len().max(1)) {
+                scope.spawn(work);
+            }
+            work();
+        });
     });
-    done.into_inner().unwrap_or_else(PoisonError::into_inner)
+    interrupt.check()?;
+    let cases = done.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten();
+    let told = |(set, case): (&PyResult<Vec<String>>, Option<Case>)| {
+        let run = match (set, case) {
+            (Err(error), _) => Err(error.clone_ref(py)),
+            (_, Some(Ok((asked, done)))) => asked.told(py, done),
+            (_, Some(Err(refused))) => Err(raised(py, refused)),
+            (_, None) => Err(PyKeyboardInterrupt::new_err(())),
+        };
+        match unless_ended(py, run)? {
+            Ok(run) => Ok(Bound::new(py, run)?.into_any()),
+            Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
+        }
+    };
+    sets.iter().zip(cases).map(told).collect()
+}
+
+fn raised(py: Python<'_>, refused: Refused) -> PyErr {
+    match refused {
+        Refused::Scene(error) => error,
+        Refused::Statics(why) => NoEquilibrium::new_err(why),
+        Refused::NoEquilibrium(scene, found) => match Py::new(py, *scene) {
+            Ok(scene) => Equilibrium::new(scene, found).refused(py),
+            Err(error) => error,
+        },
+    }
+}
+
+/// Prepares some cases and runs them, side by side if they are as many as are computed so and differ in numbers alone. `None` for one
+/// without settings, and for all that `go_on` ended.
+fn together(
+    scene: &Scene,
+    group: &[Option<&[String]>],
+    keywords: &Keywords,
+    go_on: &dyn Fn() -> bool,
+) -> Vec<Option<Case>> {
+    let prepare = |set: &Option<&[String]>| keywords.prepared(scene, (*set)?, go_on);
+    let prepared: Vec<Option<Result<Asked, Refused>>> = group.iter().map(prepare).collect();
+    let ready: Vec<&Asked> = prepared.iter().flatten().filter_map(|one| one.as_ref().ok()).collect();
+    let all: Option<[&Asked; WIDTH]> = ready.try_into().ok();
+    let mut done = all.and_then(|all| Asked::go_together(all, go_on)).map(IntoIterator::into_iter);
+    let mut run = |asked: Asked| {
+        let own = match &mut done {
+            Some(done) => done.next(),
+            None => asked.go(&mut || go_on(), None),
+        };
+        (asked, own)
+    };
+    prepared.into_iter().map(|one| one.map(|one| one.map(&mut run))).collect()
 }
 
 /// The plan of the arguments of a sweep.

@@ -2,7 +2,7 @@
 
 use crate::scene::{Scene, with_turns};
 use faer::Mat;
-use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods, PyUntypedArray};
 use pyo3::exceptions::{PyArithmeticError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -51,9 +51,13 @@ pub(crate) fn shown(given: &Bound<'_, PyAny>) -> String {
     format!("{value} (type `{of_type}`)")
 }
 
-/// The numbers of an array of one dimension: the usual case, which asks numpy for nothing.
+/// The numbers of an array of one dimension: the usual case, which asks numpy for nothing. What is derived from an array may mean
+/// something else by its numbers.
 fn plain(given: Numbers<'_, '_>) -> Option<Vec<f64>> {
     let array = given.cast::<PyArray1<f64>>().ok()?;
+    if !given.get_type().is(given.py().get_type::<PyUntypedArray>()) {
+        return None;
+    }
     // A view of every second number has to be gathered.
     Some(array.to_vec().unwrap_or_else(|_| array.to_owned_array().to_vec()))
 }
@@ -62,6 +66,11 @@ fn plain(given: Numbers<'_, '_>) -> Option<Vec<f64>> {
 pub(crate) fn numbers(name: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
     if let Some(numbers) = plain(given) {
         return Ok(numbers);
+    }
+    // A cast would show what is masked.
+    if given.hasattr("mask")? && given.py().import("numpy.ma")?.call_method1("is_masked", (given,))?.is_truthy()? {
+        let message = format!("{name} is {}, expected: {expected}, none masked", shown(given));
+        return Err(PyValueError::new_err(message));
     }
     // A cast would lose what is imaginary.
     if given.py().import("numpy")?.call_method1("iscomplexobj", (given,))?.is_truthy()? {

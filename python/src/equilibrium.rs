@@ -1,5 +1,6 @@
 //! Equilibria with their certificates.
 
+use crate::NoEquilibrium;
 use crate::control::Controller;
 use crate::interrupt::Interrupt;
 use crate::linear::Linear;
@@ -10,8 +11,9 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use stillpoint::model::{Model, Parameter};
+use stillpoint::scenario::Scenario;
 use stillpoint::simulate::State;
 use stillpoint::statics;
 
@@ -30,6 +32,29 @@ pub(crate) struct Searched {
 }
 
 impl Searched {
+    /// Searches for the equilibrium of a scene.
+    pub(crate) fn new(scenario: &Scenario, model: &Arc<Model>, go_on: &dyn Fn() -> bool) -> Result<Self, String> {
+        let before = Instant::now();
+        let Scenario { description, statics, margin, .. } = scenario;
+        let (description, model, sought) = (description.clone(), Arc::clone(model), scenario.sought());
+        let answer = statics::answer(description, model, sought, statics, margin, go_on);
+        let answer = answer.map_err(|error| error.to_string())?;
+        Ok(Self { answer, wall: before.elapsed(), json: OnceLock::new() })
+    }
+
+    /// Whether it is an equilibrium.
+    pub(crate) fn converged(&self) -> bool {
+        self.answer.found.converged
+    }
+
+    pub(crate) fn model(&self) -> &Arc<Model> {
+        &self.answer.model
+    }
+
+    pub(crate) fn state(&self) -> State {
+        State { position: self.answer.found.position.clone(), velocity: self.answer.found.velocity.clone() }
+    }
+
     /// What `stillpoint statics --json` prints.
     pub(crate) fn text(&self) -> &str {
         self.json.get_or_init(|| {
@@ -67,8 +92,17 @@ impl Mode {
 }
 
 impl Equilibrium {
-    pub(crate) fn new(scene: Py<Scene>, answer: statics::InverseAnswer, wall: Duration) -> Self {
-        Self { scene, held: Arc::new(Searched { answer, wall, json: OnceLock::new() }) }
+    pub(crate) fn new(scene: Py<Scene>, held: Arc<Searched>) -> Self {
+        Self { scene, held }
+    }
+
+    /// The exception of one that is none, which has it as its `answer`.
+    pub(crate) fn refused(self, py: Python<'_>) -> PyErr {
+        let error = NoEquilibrium::new_err(self.why());
+        match Py::new(py, self).and_then(|answer| error.value(py).setattr("answer", answer)) {
+            Ok(()) => error,
+            Err(other) => other,
+        }
     }
 
     /// What a run from here starts with.
@@ -77,15 +111,7 @@ impl Equilibrium {
     }
 
     pub(crate) fn converged(&self) -> bool {
-        self.held.answer.found.converged
-    }
-
-    pub(crate) fn model(&self) -> &Arc<Model> {
-        &self.held.answer.model
-    }
-
-    pub(crate) fn state(&self) -> State {
-        State { position: self.held.answer.found.position.clone(), velocity: self.held.answer.found.velocity.clone() }
+        self.held.converged()
     }
 
     /// Why it is none.
@@ -276,10 +302,10 @@ impl Equilibrium {
         settings.start = stillpoint::simulate::Start::Equilibrium;
         settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
         let asked = Asked {
-            model: Arc::clone(&self.held.answer.model),
+            model: Arc::clone(self.held.model()),
             settings,
             rate: positive("rate", rate)?.unwrap_or(scenario.record.rate),
-            start: self.state(),
+            start: self.held.state(),
             held: Some(Arc::clone(&self.held)),
             name: scenario.name.clone(),
             text: scenario.text.clone(),
@@ -288,9 +314,9 @@ impl Equilibrium {
         run(py, &asked, control)
     }
 
-    /// The search begins where the scene does and finds the same.
+    /// The search begins where the scene does and finds the same, an equilibrium or, as the answer of `NoEquilibrium`, none.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<Scene>,))> {
-        Ok((py.get_type::<Scene>().getattr("equilibrium")?, (self.scene.clone_ref(py),)))
+        Ok((py.get_type::<Scene>().getattr("_search")?, (self.scene.clone_ref(py),)))
     }
 
     /// For notebooks.

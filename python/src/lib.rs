@@ -14,6 +14,7 @@ mod recorder;
 mod run;
 mod scene;
 mod simulator;
+mod start;
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};

@@ -18,6 +18,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{self, Event, Opening, Outcome, Recorder, Recording, RecordingFile};
 use stillpoint::simulate::control::Function;
 use stillpoint::simulate::{self, Settings, State, Summary};
+use stillpoint::spatial::lanes::WIDTH;
 
 /// A run: `run.time`, `run["arm.angle"]`, and what it came to.
 #[pyclass(frozen, mapping, module = "stillpoint")]
@@ -70,6 +71,26 @@ impl Asked {
             None => simulate::run(model, settings, *rate, start, &mut columns, go_on),
         };
         Some((columns, done))
+    }
+
+    /// Runs several side by side; `None` if they differ in more than numbers, if their scenes or methods are not computed so, or if
+    /// there is no memory for the samples.
+    pub(crate) fn go_together(all: [&Self; WIDTH], go_on: &dyn Fn() -> bool) -> Option<[Done; WIDTH]> {
+        let Self { model, settings, rate, .. } = all[0];
+        let is_alike = |one: &&Self| one.settings == *settings && one.rate == *rate;
+        let samples = rate * settings.duration + 2.0;
+        if !all.iter().all(is_alike) || !simulate::runs_together(model, settings) || samples >= MOST_SAMPLES {
+            return None;
+        }
+        let room = |one: &Self| Columns::new(&simulate::scene(&one.model), samples as usize);
+        let columns: Vec<Columns> = all.iter().map(|one| room(one)).collect::<Option<_>>()?;
+        let mut columns: [Columns; WIDTH] = columns.try_into().ok()?;
+        let (models, starts) = (all.map(|one| Arc::clone(&one.model)), all.map(|one| one.start.clone()));
+        let mut recorders = columns.each_mut().map(|one| one as &mut dyn Recorder);
+        let ran = simulate::run_together(&models, settings, *rate, &starts, &mut recorders, &mut |_, _| go_on())?;
+        let mut ran = ran.into_iter();
+        let done = columns.map(|columns| ran.next().map(|ran| (columns, ran)));
+        done.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
     /// The run as Python sees it; the error of one that ended before its time has what there is as `run`.

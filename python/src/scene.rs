@@ -3,13 +3,14 @@
 use crate::batch;
 use crate::control::Controller;
 use crate::dynamics::{self, Dynamics};
-use crate::equilibrium::Equilibrium;
+use crate::equilibrium::{Equilibrium, Searched};
 use crate::fit;
 use crate::interrupt::Interrupt;
 use crate::linear::Linear;
 use crate::path;
-use crate::run::{Asked, Done, Run, run};
+use crate::run::{Asked, Run, run};
 use crate::simulator::Simulator;
+use crate::start::Keywords;
 use crate::{NoEquilibrium, SceneError};
 use numpy::PyArray1;
 use pyo3::exceptions::{
@@ -20,16 +21,12 @@ use pyo3::types::{PyDict, PyMapping};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 use stillpoint::constraint::assemble;
 use stillpoint::import::{Taken, counted};
-use stillpoint::integrate::Method;
 use stillpoint::model::{Model, Problem};
 use stillpoint::motion::relative;
 use stillpoint::scenario::{self, LoadError, Override, Scenario};
-use stillpoint::simulate::{Integrator, Start, State};
-use stillpoint::statics;
-use stillpoint::suggest::closest;
+use stillpoint::simulate::{Start, State};
 use stillpoint::text_file::ReadError;
 
 /// A scene, as `load` and `parse` give it. It never changes: with other numbers it is another one.
@@ -58,7 +55,11 @@ fn listed(problems: Vec<Problem>) -> PyErr {
 /// What is to be set: `{"link.stiffness": 5.0}`.
 fn settings(set: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     let Some(set) = set else { return Ok(Vec::new()) };
-    mapping("set", set)?.iter().map(|(address, value)| Ok(format!("{}={}", address.str()?, toml(&value)?))).collect()
+    // A text that is shown as it is formatted would swallow Ctrl-C.
+    let one = |(address, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        Ok(format!("{}={}", address.str()?.to_cow()?, toml(&value)?))
+    };
+    mapping("set", set)?.iter().map(one).collect()
 }
 
 /// A dictionary of any mapping.
@@ -249,8 +250,7 @@ impl Scene {
 
     /// The same scene with other numbers, by their addresses: `scene.with_set({"spring.stiffness": 900})`.
     fn with_set(&self, set: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let more = settings(Some(set))?;
-        Self::of_text(&self.name, &self.scenario.text, self.set.iter().cloned().chain(more).collect())
+        self.with(&settings(Some(set))?)
     }
 
     /// The state nearest to a given one that loops, drives and gears agree with: `(q, v)`. Without velocities they are zero.
@@ -263,22 +263,22 @@ impl Scene {
 
     /// The equilibrium that statics finds.
     fn equilibrium(slf: &Bound<'_, Self>) -> PyResult<Equilibrium> {
+        let found = Self::search(slf)?;
+        match found.converged() {
+            true => Ok(found),
+            false => Err(found.refused(slf.py())),
+        }
+    }
+
+    /// What statics finds, an equilibrium or not: what a pickled one is made of again.
+    #[pyo3(name = "_search")]
+    fn search(slf: &Bound<'_, Self>) -> PyResult<Equilibrium> {
         let (py, this) = (slf.py(), slf.get());
         let interrupt = Interrupt::new();
-        let before = Instant::now();
-        let Scenario { description, statics, margin, .. } = &this.scenario;
-        let (sought, description, model) = (this.scenario.sought(), description.clone(), Arc::clone(&this.model));
         let asked = &interrupt;
-        let answer = py.detach(move || statics::answer(description, model, sought, statics, margin, &|| asked.go_on()));
+        let found = py.detach(move || Searched::new(&this.scenario, &this.model, &|| asked.go_on()));
         interrupt.check()?;
-        let held = answer.map_err(|error| NoEquilibrium::new_err(error.to_string()))?;
-        let equilibrium = Equilibrium::new(slf.clone().unbind(), held, before.elapsed());
-        if equilibrium.converged() {
-            return Ok(equilibrium);
-        }
-        let error = NoEquilibrium::new_err(equilibrium.why());
-        error.value(py).setattr("answer", Py::new(py, equilibrium)?)?;
-        Err(error)
+        Ok(Equilibrium::new(slf.clone().unbind(), Arc::new(found.map_err(NoEquilibrium::new_err)?)))
     }
 
     /// The equations about the equilibrium, or about a state `start = (q, v)` as it stands: from inputs by their addresses (all motors of
@@ -317,7 +317,8 @@ impl Scene {
         controller: Option<Py<PyAny>>,
         period: Option<f64>,
     ) -> PyResult<Run> {
-        let asked = Self::asked(slf, duration, rate, integrator, tolerance, step, start)?;
+        let keywords = Keywords::new(duration, rate, integrator, tolerance, step)?;
+        let asked = Self::asked(slf, &keywords, start)?;
         let control = Controller::of(&asked.model, controller, positive("period", period)?)?;
         run(slf.py(), &asked, control)
     }
@@ -331,12 +332,14 @@ impl Scene {
         step: Option<f64>,
         start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Simulator> {
-        Ok(Simulator::new(Self::asked(slf, None, None, integrator, tolerance, step, start)?))
+        let keywords = Keywords::new(None, None, integrator, tolerance, step)?;
+        Ok(Simulator::new(Self::asked(slf, &keywords, start)?))
     }
 
-    /// A run for each of several changes (`[{"arm.mass": 2.0}, …]`), on all processors: what each has alone. In the place of one that
-    /// fails its exception.
-    #[pyo3(signature = (sets, duration = None, *, rate = None, integrator = None, tolerance = None, step = None, threads = None))]
+    /// A run for each of several changes (`[{"arm.mass": 2.0}, …]`), on all processors: what each has alone, to the bit; with `lanes`
+    /// those that can be computed side by side are, as a sweep has them, and agree to round-off. In the place of one that fails its
+    /// exception.
+    #[pyo3(signature = (sets, duration = None, *, rate = None, integrator = None, tolerance = None, step = None, threads = None, lanes = false))]
     #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn batch<'py>(
         slf: &Bound<'py, Self>,
@@ -347,28 +350,13 @@ impl Scene {
         tolerance: Option<f64>,
         step: Option<f64>,
         threads: Option<usize>,
+        lanes: bool,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let py = slf.py();
-        let one = |set: &Bound<'_, PyAny>| -> PyResult<Asked> {
-            let scene = Bound::new(py, slf.get().with_set(set)?)?;
-            Self::asked(&scene, duration, rate, integrator, tolerance, step, None)
-        };
-        let asked: Vec<PyResult<Asked>> =
-            batch::list("sets", sets, "a list of dictionaries")?.iter().map(one).collect();
+        let keywords = Keywords::new(duration, rate, integrator, tolerance, step)?;
         let threads = batch::processors(threads)?;
-        let interrupt = Interrupt::new();
-        let watched = &interrupt;
-        let runs: Vec<Option<&Asked>> = asked.iter().map(|one| one.as_ref().ok()).collect();
-        let done = py.detach(|| batch::each(&runs, threads, &|| watched.go_on()));
-        interrupt.check()?;
-        let told = |(asked, done): (PyResult<Asked>, Option<Option<Done>>)| -> PyResult<Bound<'py, PyAny>> {
-            let run = asked.and_then(|asked| asked.told(py, done.flatten()));
-            match run {
-                Ok(run) => Ok(Bound::new(py, run)?.into_any()),
-                Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
-            }
-        };
-        asked.into_iter().zip(done).map(told).collect()
+        let sets = batch::list("sets", sets, "a list of dictionaries")?;
+        let sets = sets.iter().map(|set| batch::unless_ended(slf.py(), settings(Some(set))));
+        batch::runs(slf, &sets.collect::<PyResult<Vec<_>>>()?, &keywords, (threads, lanes))
     }
 
     /// The equilibrium, and with `run` a run, for many values of some numbers, on all processors: columns by name, a row a case.
@@ -505,48 +493,29 @@ impl Scene {
         &self.scenario
     }
 
+    pub(crate) fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The scene with more set.
+    pub(crate) fn with(&self, more: &[String]) -> PyResult<Self> {
+        Self::of_text(&self.name, &self.scenario.text, self.set.iter().chain(more).cloned().collect())
+    }
+
     /// What a run of these arguments is.
-    fn asked(
-        slf: &Bound<'_, Self>,
-        duration: Option<f64>,
-        rate: Option<f64>,
-        integrator: Option<&str>,
-        tolerance: Option<f64>,
-        step: Option<f64>,
-        start: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Asked> {
+    fn asked(slf: &Bound<'_, Self>, keywords: &Keywords, start: Option<&Bound<'_, PyAny>>) -> PyResult<Asked> {
         let this = slf.get();
-        let mut settings = this.scenario.simulate;
-        settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
-        if let Some(tolerance) = positive("tolerance", tolerance)? {
-            (settings.tolerance, settings.absolute_tolerance) = (tolerance, tolerance);
-        }
-        settings.step = positive("step", step)?.or(settings.step);
-        if let Some(name) = integrator {
-            settings.integrator = Integrator::named(name).ok_or_else(|| {
-                let known = Method::ALL.map(Method::name).into_iter().chain(["auto"]);
-                let near = closest(name, known).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-                PyValueError::new_err(format!("no integrator is called `{name}`{near}"))
-            })?;
-        }
-        let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
-        let (model, start, held) = match start {
-            Some(start) => (Arc::clone(&this.model), closed(&this.model, state(&this.model, start)?)?, None),
-            None if settings.start == Start::Equilibrium => {
-                let found = Self::equilibrium(slf)?;
-                (Arc::clone(found.model()), found.state(), Some(Arc::clone(found.held())))
+        let start = start.map(|start| closed(&this.model, state(&this.model, start)?)).transpose()?;
+        let found = match start {
+            None if this.scenario.simulate.start == Start::Equilibrium => {
+                Some(Arc::clone(Self::equilibrium(slf)?.held()))
             }
-            None => {
-                let (position, velocity) = (this.model.start_position.clone(), this.model.start_velocity.clone());
-                (Arc::clone(&this.model), State { position, velocity }, None)
-            }
+            _ => None,
         };
-        let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
-        Ok(Asked { model, settings, rate, start, held, name, text })
+        Ok(keywords.asked(this, start, found))
     }
 }
 
-/// A start with as many numbers as the scene has.
 /// The state of an argument `start`.
 fn state(model: &Model, start: &Bound<'_, PyAny>) -> PyResult<State> {
     let refused = || {
@@ -557,8 +526,17 @@ fn state(model: &Model, start: &Bound<'_, PyAny>) -> PyResult<State> {
     if parts.iter().any(|part| part.len().is_err()) {
         return Err(refused());
     }
-    let list = |(index, part)| dynamics::numbers(&format!("`start[{index}]`"), part, "a list of numbers");
-    let lists = parts.iter().enumerate().map(list).collect::<PyResult<Vec<_>>>()?;
+    let list = |(index, part)| {
+        let numbers = dynamics::numbers(&format!("`start[{index}]`"), part, "a list of numbers")?;
+        match numbers.iter().position(|number| !number.is_finite()) {
+            Some(at) => {
+                let message = format!("`start[{index}][{at}]` is {}, allowed: finite numbers", numbers[at]);
+                Err(PyValueError::new_err(message))
+            }
+            None => Ok(numbers),
+        }
+    };
+    let lists = parts.iter().enumerate().map(list).collect::<PyResult<Vec<Vec<f64>>>>()?;
     let [position, velocity] = <[Vec<f64>; 2]>::try_from(lists)
         .map_err(|given| PyValueError::new_err(format!("`start` has {} parts, expected: (q, v)", given.len())))?;
     fitting(model, position, velocity)

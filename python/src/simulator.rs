@@ -155,6 +155,10 @@ impl Simulator {
     /// Goes on by so much (s); with inputs for that time, by name, or all of them in a list.
     #[pyo3(signature = (duration, inputs = None))]
     fn step(&self, py: Python<'_>, duration: f64, inputs: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        if !(duration >= 0.0 && duration.is_finite()) {
+            let message = format!("`duration` is {duration}, allowed: a finite number ≥ 0 (s)");
+            return Err(PyValueError::new_err(message));
+        }
         let inputs = inputs.map(|wanted| {
             let now = self.now().clone();
             let mut inputs = now.snapshot().inputs.clone();

@@ -2,9 +2,13 @@
 
 import json
 import math
+import os
 import pickle
+import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -171,6 +175,70 @@ def test_a_batch_has_the_bits_of_one_after_the_other():
         alone = scene.with_set(set_).run(rate=20)
         assert all((run[name] == alone[name]).all() for name in alone.columns) and len(run.time) == 21
     assert isinstance(together[6], stillpoint.SceneError)
+
+
+def test_a_batch_in_lanes_agrees_to_round_off():
+    scene = stillpoint.load(SCENARIOS / "double_pendulum.toml", set={"simulate.start": "given"})
+    body = scene.bodies[0]
+    sets = [{f"{body}.mass": 1.0 + 0.1 * k} for k in range(9)] + [{f"{body}.mass": -1.0}]
+    for together, alone in zip(*(scene.batch(sets, 0.2, rate=20, integrator="dopri5", lanes=lanes) for lanes in (True, False))):
+        if isinstance(alone, stillpoint.SceneError):
+            assert str(together) == str(alone)
+            continue
+        assert together.columns == alone.columns and len(together.time) == 5
+        for name in alone.columns:
+            np.testing.assert_allclose(together[name], alone[name], rtol=1e-9, atol=1e-9)
+    fallen = {"body": [{"name": "a", "mass": 1.0, "hinge": {"type": "prismatic", "axis": [0, 0, 1]}}]}
+    refused = stillpoint.describe(fallen).batch([{}, {"a.mass": 2.0}], 0.1)
+    assert [type(one) for one in refused] == [stillpoint.NoEquilibrium] * 2 and not refused[0].answer.residual < 1e-9
+    with pytest.raises(ValueError, match="`duration` is -1"):
+        scene.batch(sets, -1)
+
+
+def test_ctrl_c_ends_a_batch_that_is_being_prepared():
+    scene = stillpoint.load(SCENARIOS / "chain_of_twenty.toml", set={"simulate.start": "equilibrium"})
+    sets = [{"link[0].position": 0.001 * k} for k in range(20_000)]
+    for after in (0.02, 0.3):
+        threading.Timer(after, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            scene.batch(sets, 0.01)
+        assert time.monotonic() - begun < after + 5.0
+
+
+def test_no_equilibrium_survives_a_pickle():
+    fallen = stillpoint.parse('[[body]]\nname = "a"\nmass = 1.0\nhinge = { type = "prismatic", axis = [0, 0, 1] }\n')
+    with pytest.raises(stillpoint.NoEquilibrium) as raised:
+        fallen.equilibrium()
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert type(again) is stillpoint.NoEquilibrium and str(again) == str(raised.value)
+    assert again.answer.notes == raised.value.answer.notes and (again.answer.q == raised.value.answer.q).all()
+
+
+def test_the_package_says_that_it_has_no_library_of_fmus(tmp_path):
+    call = [sys.executable, "-m", "stillpoint", "fmu", str(SCENARIOS / "pendulum.toml"), "-o", str(tmp_path / "x.fmu")]
+    done = subprocess.run(call, capture_output=True, text=True)
+    assert done.returncode == 2 and not (tmp_path / "x.fmu").exists()
+    assert "the Python package has no library of FMUs" in done.stderr and "--library target/release/" in done.stderr
+
+
+def test_what_is_wrong_with_numbers_is_said_of_the_number():
+    scene = stillpoint.describe(SLIDER)
+    simulator = scene.simulator()
+    with pytest.raises(ValueError, match=r"`duration` is -1, allowed: a finite number ≥ 0"):
+        simulator.step(-1)
+    with pytest.raises(ValueError, match=r"`start\[0\]\[0\]` is NaN, allowed: finite numbers"):
+        scene.run(1.0, start=([float("nan")], [0.0]))
+    with pytest.raises(ValueError, match=r"`tolerance` is 1e-30, allowed: 1e-14 to 1"):
+        scene.run(1.0, tolerance=1e-30)
+    masked = np.ma.masked_array([0.1], mask=[True])
+    with pytest.raises(ValueError, match="none masked"):
+        scene.dynamics().acceleration(masked, [0.0])
+    with pytest.raises(ValueError, match="none masked"):
+        scene.run(1.0, start=(masked, [0.0]))
+    with pytest.raises(ValueError, match="masked"):
+        scene.with_set({"mass.position": masked})
+    assert scene.dynamics().acceleration(np.ma.masked_array([0.1], mask=[False]), [0.0]) == scene.dynamics().acceleration([0.1], [0.0])
 
 
 def test_a_sweep_has_a_row_a_case():

@@ -48,6 +48,6 @@ pub use resting::check;
 pub use run::Summary;
 pub use run::together::{covers as runs_together, run_together};
 pub use samples::outputs;
-pub use settings::{Grid, Integrator, Resume, Settings, Start};
+pub use settings::{Grid, Integrator, Resume, Settings, Start, TOLERANCES};
 pub use staged::at_stage;
 pub use state::State;

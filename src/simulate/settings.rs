@@ -2,6 +2,9 @@
 
 use crate::integrate::{Method, Options};
 
+/// The least and the largest relative tolerance that may be asked for.
+pub const TOLERANCES: [f64; 2] = [1e-14, 1.0];
+
 /// The `[simulate]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {

@@ -76,6 +76,7 @@ class Scene:
         tolerance: float | None = None,
         step: float | None = None,
         threads: int | None = None,
+        lanes: bool = False,
     ) -> list[Run | Exception]: ...
     def sweep(
         self,

@@ -22,7 +22,14 @@ def columns(data):
         cells = [[row[at].strip() for row in rows[1:]] for at in range(len(headings))]
         return [(name.strip(), np.array([float(cell) if cell else np.nan for cell in column])) for name, column in zip(headings, cells)]
     names = list(data.columns) if hasattr(data, "columns") else list(data)
-    return [(str(name), np.asarray(data[name], dtype=float).reshape(-1)) for name in names]
+    return [(str(name), _measured(data[name])) for name in names]
+
+
+def _measured(column):
+    """The numbers of a column; of what is masked `nan`."""
+    if np.ma.is_masked(column):
+        column = np.ma.filled(column.astype(float), np.nan)
+    return np.asarray(column, dtype=float).reshape(-1)
 
 
 class Fit:

@@ -4,10 +4,19 @@ import json
 from collections.abc import Mapping
 from numbers import Integral, Real
 
+import numpy as np
+
+
+def masked(value) -> bool:
+    """Whether some numbers of an array are masked: they would be shown by a cast."""
+    return bool(np.ma.is_masked(value)) if hasattr(value, "mask") else False
+
 
 def inline(value) -> str:
     """A value of TOML: booleans, numbers, texts, lists, dictionaries, and what numpy has of these."""
     if hasattr(value, "tolist"):
+        if masked(value):
+            raise ValueError(f"a scene has no masked numbers: {value!r}")
         value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"

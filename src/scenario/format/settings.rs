@@ -2,8 +2,9 @@
 
 use super::super::fields::{ANY_UNIT, Key, Kind, Range, Table};
 use super::{NUMBER, POSITIVE};
+use crate::simulate::TOLERANCES;
 
-const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
+const TOLERANCE: Kind = Kind::Number(Range::Between(TOLERANCES[0], TOLERANCES[1]));
 
 /// `[simulate]`
 pub const SIMULATE: Table = Table {
