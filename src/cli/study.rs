@@ -7,6 +7,8 @@ mod fit;
 use super::Exit;
 use super::palette::Theme;
 use clap::Args;
+#[cfg(feature = "parquet")]
+pub(super) use dataset::silent;
 pub(super) use fit::json as fit_json;
 use std::path::PathBuf;
 

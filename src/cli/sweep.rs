@@ -11,6 +11,8 @@ use crate::scenario::{LoadError, Override, Scenario, load_with};
 use crate::simulate::Start;
 use crate::study::axis::{Axis, OPTION};
 use crate::study::case::VARY;
+#[cfg(feature = "parquet")]
+use crate::study::dataset::Dataset;
 use crate::study::{Cases, Draw, Plan, Question, Refusal, Row, Sampling, Variation, pool};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow, bail};
@@ -95,7 +97,7 @@ struct DatasetOptions {
     /// Print which shards, or without `--shards` which parts, are not done, and do nothing
     #[arg(long, requires = "out")]
     missing: bool,
-    /// Rows of a part; default: a hundredth of all, at most 10 000
+    /// Rows of a part; default: a hundredth of all, at most 10 000, or as many as have 262 144 cells
     #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
     part_rows: Option<u64>,
 }
@@ -359,7 +361,6 @@ impl Sweep<'_> {
     /// Rows in the parts of a dataset, those that are not there yet.
     #[cfg(feature = "parquet")]
     fn dataset(&self, folder: &Path) -> anyhow::Result<Exit> {
-        use crate::study::dataset::Dataset;
         let (common, options) = (&self.arguments.common, &self.arguments.dataset);
         let dataset = Dataset::new(folder, &self.cases, options.part_rows)?;
         if options.missing {
@@ -372,6 +373,7 @@ impl Sweep<'_> {
         }
         dataset.begin(&self.cases, options.resume || options.shards.is_some())?;
         let own = || (0..dataset.parts()).filter(|part| shard.has(*part));
+        self.refuse_strays(&dataset, own())?;
         let rows = |part: u64| dataset.part(part).1.count() as u64;
         let count = own().filter(|part| !dataset.is_done(*part)).map(rows).sum();
         // Another process may have written a part meanwhile.
@@ -401,10 +403,21 @@ impl Sweep<'_> {
         Ok(if failed == 0 { Exit::Done } else { Exit::No })
     }
 
+    /// Refuses parts that belong to another study or have other cases, and says how many do not say what they are.
+    #[cfg(feature = "parquet")]
+    fn refuse_strays(&self, dataset: &Dataset, parts: impl Iterator<Item = u64>) -> anyhow::Result<()> {
+        let silent = dataset.refuse_strays(parts)?;
+        if silent > 0 && !self.arguments.common.quiet {
+            output::warning(&super::study::silent(silent));
+        }
+        Ok(())
+    }
+
     /// Prints shards or parts that are not done, as an array of tasks takes them; of parts that are damaged, too, what to do.
     #[cfg(feature = "parquet")]
-    fn missing(&self, dataset: &crate::study::dataset::Dataset) -> anyhow::Result<Exit> {
+    fn missing(&self, dataset: &Dataset) -> anyhow::Result<Exit> {
         dataset.is_there()?;
+        self.refuse_strays(dataset, 0..dataset.parts())?;
         let mut parts = Vec::new();
         for part in 0..dataset.parts() {
             if !dataset.is_done(part) {

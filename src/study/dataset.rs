@@ -12,7 +12,7 @@
 use super::answer::Question;
 use super::case::{Cases, Row};
 use super::column::Column;
-use super::parquet;
+use super::parquet::{self, Origin};
 use super::pool::Part;
 use crate::model::shape::Geometry;
 use crate::spatial::lanes::WIDTH;
@@ -66,6 +66,9 @@ pub enum DatasetError {
     /// A file cannot be read or written.
     #[error("cannot write `{0}`: {1}")]
     Write(PathBuf, #[source] io::Error),
+    /// A part is there and has other rows.
+    #[error("`{0}` is no part of this dataset: {1}; move it away, and `--resume` computes the part")]
+    Stray(PathBuf, String),
     /// A part is there and cannot be read.
     #[error("`{0}` is damaged: {1}; delete it, and `--resume` computes it again")]
     Damaged(PathBuf, String),
@@ -107,11 +110,12 @@ impl Dataset {
     /// If the folder holds another dataset or other Parquet files, or cannot be written.
     pub fn begin(&self, cases: &Cases, continues: bool) -> Result<(), DatasetError> {
         let manifest = self.folder.join(MANIFEST);
-        match self.is_there()? {
-            true if continues => {
-                self.remove_abandoned();
-                return Ok(());
-            }
+        let is_there = self.is_there()?;
+        if continues {
+            self.remove_abandoned();
+        }
+        match is_there {
+            true if continues => return Ok(()),
             true => return Err(DatasetError::Exists(self.folder.clone())),
             false => {}
         }
@@ -122,7 +126,7 @@ impl Dataset {
         if entries.filter_map(Result::ok).any(|entry| is_parquet(&entry)) {
             return Err(DatasetError::Foreign(self.folder.clone()));
         }
-        let mut file = WholeFile::create(&manifest).map_err(failed)?;
+        let mut file = Self::locked(&manifest).map_err(failed)?;
         // At once: each of its numbers by itself is a call of the system.
         file.write_all(format!("{:#}\n", self.manifest(cases)).as_bytes()).map_err(failed)?;
         match file.finish_new() {
@@ -214,7 +218,7 @@ impl Dataset {
         let failed = |error| DatasetError::Write(path.clone(), error);
         let mut file = Self::locked(&path).map_err(failed)?;
         // Of what the file itself said why it cannot be written.
-        if let Err(error) = parquet::write(&mut file, &self.columns, rows) {
+        if let Err(error) = parquet::write(&mut file, &self.columns, rows, &self.origin(part)) {
             return Err(match file.probe() {
                 Err(why) => failed(why),
                 Ok(()) => DatasetError::Part(path.clone(), error),
@@ -223,7 +227,7 @@ impl Dataset {
         file.finish().map_err(failed)
     }
 
-    /// The file of a part, under another name and locked for as long as it is written: [`remove_abandoned`](Self::remove_abandoned)
+    /// A file of the dataset, under another name and locked for as long as it is written: [`remove_abandoned`](Self::remove_abandoned)
     /// leaves it alone.
     fn locked(path: &Path) -> io::Result<WholeFile> {
         loop {
@@ -237,10 +241,13 @@ impl Dataset {
         }
     }
 
-    /// Removes unfinished parts that nobody writes any more: those of processes that were killed.
+    /// Removes unfinished parts and manifests that nobody writes any more: those of processes that were killed.
     fn remove_abandoned(&self) {
         let entries = fs::read_dir(&self.folder).into_iter().flatten().filter_map(Result::ok);
-        let ours = |name: &str| name.starts_with("part-") && name.ends_with(".parquet.partial");
+        let ours = |name: &str| {
+            let part = name.starts_with("part-") && name.ends_with(".parquet.partial");
+            part || name.starts_with("_study.") && name.ends_with("json.partial")
+        };
         for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(ours)) {
             let path = entry.path();
             if let Ok(file) = File::options().write(true).open(&path)
@@ -252,19 +259,53 @@ impl Dataset {
         }
     }
 
+    /// Where the rows of a part come from.
+    fn origin(&self, part: u64) -> Origin {
+        Origin { study: self.hash.clone(), cases: self.part(part).1 }
+    }
+
+    /// Refuses parts that are there and say that they come from elsewhere; how many do not say where they come from, as those of earlier
+    /// versions.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn refuse_strays(&self, parts: impl Iterator<Item = u64>) -> Result<u64, DatasetError> {
+        let mut silent = 0;
+        for part in parts.filter(|part| self.is_done(*part)) {
+            let path = self.path(part);
+            // What cannot be read is told of by whoever needs it.
+            let Ok(told) = File::open(&path).map_err(Into::into).and_then(|file| parquet::told(file, false)) else {
+                continue;
+            };
+            let says = self.origin(part).check(told.origin.as_ref());
+            silent += u64::from(!says.map_err(|why| DatasetError::Stray(path, why))?);
+        }
+        Ok(silent)
+    }
+
     /// How many cases failed in a part that is done.
     ///
     /// # Errors
-    /// If it cannot be read, or has not as many rows as it should.
+    /// If it cannot be read, comes from elsewhere, or has not as many rows as it should.
     pub fn failed(&self, part: u64) -> Result<u64, DatasetError> {
         let path = self.path(part);
-        let read = || parquet::failed(File::open(&path)?);
-        let (rows, failed) = read().map_err(|error| DatasetError::Damaged(path.clone(), error.to_string()))?;
+        let damaged = |why: String| DatasetError::Damaged(path.clone(), why);
+        let read = || parquet::told(File::open(&path)?, true);
+        let told = read().map_err(|error| damaged(error.to_string()))?;
+        self.origin(part).check(told.origin.as_ref()).map_err(|why| DatasetError::Stray(path.clone(), why))?;
+        let none = "it does not say how many cases failed: it is no part of a study";
+        let failed = told.failed.ok_or_else(|| damaged(none.to_owned()))?;
         match self.part(part).1.count() as u64 {
-            wanted if wanted == rows => Ok(failed),
-            wanted => Err(DatasetError::Damaged(path, format!("it has {rows} rows, not {wanted}"))),
+            wanted if wanted == told.rows => Ok(failed),
+            wanted => Err(damaged(format!("it has {} rows, not {wanted}", told.rows))),
         }
     }
+}
+
+/// The number of a part, by its name.
+pub(super) fn number(path: &Path) -> Option<u64> {
+    let digits = path.file_name()?.to_str()?.strip_prefix("part-")?.strip_suffix(".parquet")?;
+    digits.parse().ok().filter(|part| digits == format!("{part:07}"))
 }
 
 /// Of all that the rows follow from: program, plan, question, scenario with everything that it reads, columns.

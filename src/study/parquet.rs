@@ -14,6 +14,7 @@ use parquet::schema::types::ColumnPath;
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How files of numbers that hardly ever repeat are written.
@@ -30,6 +31,58 @@ const FAILED: &str = "failed";
 /// Key of the number of bytes before the metadata, and of their SHA-256, in the metadata of a file: Parquet's own checksums of pages are
 /// not written by the library.
 const SUM: &str = "sha256";
+
+/// Keys of the study that a file belongs to, and of its cases.
+const STUDY: &str = "study";
+const CASES: &str = "cases";
+
+/// Where the rows of a file come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The hash of the study.
+    pub study: String,
+    /// Which of its cases.
+    pub cases: Range<u64>,
+}
+
+impl Origin {
+    /// Refuses a file that says of itself that it comes from elsewhere; whether it says anything.
+    ///
+    /// # Errors
+    /// Where it comes from.
+    pub fn check(&self, said: Option<&Self>) -> Result<bool, String> {
+        let Some(said) = said else { return Ok(false) };
+        if said == self {
+            return Ok(true);
+        }
+        let of = |one: &Self| format!("cases {} to {}", one.cases.start, one.cases.end.saturating_sub(1));
+        let short = |one: &Self| one.study.chars().take(12).collect::<String>();
+        Err(match said.study == self.study {
+            true => format!("it has {} of this study, not {}", of(said), of(self)),
+            false => {
+                format!("it has {} of another study (hash {}, this one has {})", of(said), short(said), short(self))
+            }
+        })
+    }
+
+    /// What a file says.
+    fn of(metadata: &FileMetaData) -> Option<Self> {
+        let (first, last) = value(metadata, CASES)?.split_once("..")?;
+        let cases = first.parse().ok()?..last.parse().ok()?;
+        Some(Self { study: value(metadata, STUDY)?.to_owned(), cases })
+    }
+}
+
+/// What a file says of itself.
+#[derive(Debug)]
+pub struct Told {
+    /// Number of rows.
+    pub rows: u64,
+    /// How many of its cases failed; `None` if it is no part of a study.
+    pub failed: Option<u64>,
+    /// Where it comes from; parts of earlier versions do not say.
+    pub origin: Option<Origin>,
+}
 
 /// A file, and the hash of what has been written to it.
 struct Summed<W> {
@@ -55,7 +108,7 @@ impl<W: Write> Write for Summed<W> {
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Result<(), ParquetError> {
+pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row], origin: &Origin) -> Result<(), ParquetError> {
     let field = |column: &Column| {
         let field = Field::new(&column.name, data_type(column.kind), true);
         match column.unit.as_ref() {
@@ -65,8 +118,10 @@ pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Resul
     };
     let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
     let failed = rows.iter().filter(|row| row.error.is_some()).count();
-    let mut properties =
-        properties().set_key_value_metadata(Some(vec![KeyValue::new(FAILED.to_owned(), failed.to_string())]));
+    let cases = format!("{}..{}", origin.cases.start, origin.cases.end);
+    let said = [(FAILED, failed.to_string()), (STUDY, origin.study.clone()), (CASES, cases)];
+    let said = said.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value));
+    let mut properties = properties().set_key_value_metadata(Some(said.collect()));
     for column in columns.iter().filter(|column| column.kind == Kind::Word) {
         properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone()]), true);
     }
@@ -87,29 +142,22 @@ fn hex(sum: Sha256) -> String {
     sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// How many rows a file has, and how many of these cases failed.
-///
-/// # Errors
-/// If it is no file of [`write`](fn@write), or its bytes are others than those that were written.
-pub fn failed(file: File) -> Result<(u64, u64), ParquetError> {
-    let metadata = checked(file)?;
-    let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
-    value(&metadata, FAILED).and_then(|text| text.parse().ok()).map(|failed| (rows, failed)).ok_or_else(|| {
-        ParquetError::General("it does not say how many cases failed: it is no part of a study".to_owned())
-    })
-}
-
-/// The metadata of a file whose bytes are those that were written, if it says which: parts of earlier versions do not.
+/// What a file says of itself. With `sums` its bytes have to be those that were written, if it says which: parts of earlier versions do
+/// not.
 ///
 /// # Errors
 /// If it is no Parquet file, or its bytes are others.
-pub fn checked(file: File) -> Result<FileMetaData, ParquetError> {
+pub fn told(file: File, sums: bool) -> Result<Told, ParquetError> {
     let reader = SerializedFileReader::new(file.try_clone()?)?;
-    let metadata = reader.metadata().file_metadata().clone();
-    if let Some(sum) = value(&metadata, SUM) {
+    let metadata = reader.metadata().file_metadata();
+    if let Some(sum) = value(metadata, SUM).filter(|_| sums) {
         check_sum(file, sum)?;
     }
-    Ok(metadata)
+    Ok(Told {
+        rows: u64::try_from(metadata.num_rows()).unwrap_or(0),
+        failed: value(metadata, FAILED).and_then(|text| text.parse().ok()),
+        origin: Origin::of(metadata),
+    })
 }
 
 fn value<'m>(metadata: &'m FileMetaData, key: &str) -> Option<&'m str> {

@@ -1,7 +1,7 @@
 //! Reading the columns of a dataset, part by part: nothing is kept.
 
-use super::dataset::MANIFEST;
-use super::parquet as part;
+use super::dataset::{MANIFEST, number};
+use super::parquet::{self as part, Origin};
 use super::sample::Sampling;
 use super::variance::Spread;
 use arrow_array::cast::AsArray;
@@ -29,6 +29,8 @@ pub struct Reader {
     pub numbers: Vec<(String, String)>,
     /// The words of those of its inputs that are no numbers.
     pub words: Vec<Words>,
+    /// How many of its parts do not say which study they belong to: those of earlier versions.
+    pub silent: usize,
 }
 
 /// The words that a column holds.
@@ -77,9 +79,7 @@ impl Reader {
         if parts.is_empty() {
             return Err(format!("`{}` has no part yet", folder.display()));
         }
-        for path in &parts {
-            File::open(path).map_err(Into::into).and_then(part::checked).map_err(|error| damaged(path, &error))?;
-        }
+        let silent = check(&parts, &manifest)?;
         let inputs: Vec<String> = texts(&manifest["inputs"]).iter().map(text).collect();
         let are_words = columns.iter().filter(|column| column["kind"] == "word").map(|column| text(&column["name"]));
         let of_words: Vec<String> = are_words.filter(|name| inputs.contains(name)).collect();
@@ -93,6 +93,7 @@ impl Reader {
             },
             numbers: columns.iter().filter(is_number).map(|one| (text(&one["name"]), text(&one["unit"]))).collect(),
             words: Vec::new(),
+            silent,
         };
         for name in of_words {
             let mut words = Words::of(&name);
@@ -155,6 +156,26 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// Refuses parts that are damaged, that belong to another study, and that have other cases than their names say; how many do not say what
+/// they are.
+fn check(parts: &[PathBuf], manifest: &Value) -> Result<usize, String> {
+    let study = manifest["hash"].as_str().unwrap_or_default();
+    let [rows, cases] = ["rows_per_part", "cases"].map(|key| manifest[key].as_u64().unwrap_or_default());
+    let mut silent = 0;
+    for path in parts {
+        let told = File::open(path).map_err(Into::into).and_then(|file| part::told(file, true));
+        let told = told.map_err(|error| damaged(path, &error))?;
+        let stray = |why: &str| format!("`{}` is no part of this dataset: {why}; move it away", path.display());
+        let Some(number) = number(path) else {
+            return Err(stray("the parts are called part-0000000.parquet, part-0000001.parquet, …"));
+        };
+        let begins = number.saturating_mul(rows).min(cases);
+        let wanted = Origin { study: study.to_owned(), cases: begins..begins.saturating_add(rows).min(cases) };
+        silent += usize::from(!wanted.check(told.origin.as_ref()).map_err(|why| stray(&why))?);
+    }
+    Ok(silent)
 }
 
 fn damaged(path: &Path, error: &dyn std::fmt::Display) -> String {

@@ -68,6 +68,9 @@ impl Output {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let reader = Reader::open(&arguments.studied).map_err(|error| anyhow!(error))?;
+    if reader.silent > 0 && !arguments.quiet {
+        output::warning(&silent(reader.silent as u64));
+    }
     let numbers = numeric(&reader, &reader.inputs);
     let inputs = numbers.iter().chain(reader.words.iter().map(|words| &words.name)).cloned().collect();
     let study = Study { inputs, numbers: numbers.len(), reader, ends: OnceCell::new() };
@@ -108,6 +111,14 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     Ok(Exit::Done)
+}
+
+/// What is said of parts that do not say which study they belong to.
+pub(in super::super) fn silent(parts: u64) -> String {
+    format!(
+        "{} not say which study they belong to, as those of earlier versions: taken as parts of this one",
+        count(parts as usize, "part does", "parts do")
+    )
 }
 
 /// The names that are columns of numbers.

@@ -366,6 +366,86 @@ fn a_damaged_part_is_told_and_made_again() {
     }
 }
 
+/// A part under the name of another, one of another plan, and one that no plan has are refused by whoever comes to them, by name; what they
+/// stand for is computed once they are away.
+#[test]
+fn parts_of_another_study_are_refused() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let call = |out: &str, mass: &str, more: &[&str]| {
+        let vary = format!("pan.mass={mass}");
+        let fixed = ["sweep", "scale.toml", "--vary", &vary, "--cases", "40", "--out", out, "--part-rows", "8"];
+        bench.call(&[&fixed[..], more].concat())
+    };
+    let (own, other) = ("normal(2,0.3)", "normal(3,0.3)");
+    call("d", own, &[]).code(0);
+    call("e", other, &[]).code(0);
+    let exact = rows(&bench.path().join("d"));
+    let place = |name: &str| bench.path().join(name);
+    let told = |called: &str, why: &str| {
+        for answer in [call("d", own, &["--missing"]), call("d", own, &["--resume"]), bench.call(&["study", "d"])] {
+            let error = answer.code(2).err;
+            assert!(error.contains(&format!("{called}` is no part of this dataset")) && error.contains(why), "{error}");
+        }
+    };
+    std::fs::copy(place("d/part-0000003.parquet"), place("d/part-0000002.parquet")).expect("copied");
+    told("part-0000002.parquet", "it has cases 24 to 31 of this study, not cases 16 to 23");
+    std::fs::copy(place("e/part-0000002.parquet"), place("d/part-0000002.parquet")).expect("copied");
+    told("part-0000002.parquet", "it has cases 16 to 23 of another study (hash ");
+    std::fs::remove_file(place("d/part-0000002.parquet")).expect("removed");
+    call("d", own, &["--resume"]).code(0);
+    assert_eq!(rows(&place("d")), exact);
+    // A copy beside the parts would be read as rows.
+    std::fs::copy(place("d/part-0000002.parquet"), place("d/copy.parquet")).expect("copied");
+    let error = bench.call(&["study", "d"]).code(2).err;
+    assert!(error.contains("copy.parquet` is no part of this dataset"), "{error}");
+}
+
+/// Parts of earlier versions do not say what they belong to: they count, and it is said.
+#[test]
+fn parts_that_do_not_say_what_they_are_are_told() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let fixed =
+        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
+    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    call(&[]).code(0);
+    let exact = rows(&bench.path().join("d"));
+    let part = bench.path().join("d/part-0000002.parquet");
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(&part).expect("a part")).expect("Parquet");
+    let schema = builder.schema().clone();
+    let batches: Vec<RecordBatch> = builder.build().expect("rows").map(|batch| batch.expect("rows")).collect();
+    let failed = parquet::file::metadata::KeyValue::new("failed".to_owned(), "0".to_owned());
+    let properties =
+        parquet::file::properties::WriterProperties::builder().set_key_value_metadata(Some(vec![failed])).build();
+    let file = File::create(&part).expect("a part");
+    let mut writer = parquet::arrow::ArrowWriter::try_new(file, schema, Some(properties)).expect("a writer");
+    batches.iter().for_each(|batch| writer.write(batch).expect("rows"));
+    writer.close().expect("written");
+    for answer in [call(&["--missing"]), call(&["--resume"]), bench.call(&["study", "d"])] {
+        let error = answer.code(0).err;
+        assert!(error.contains("1 part does not say which study they belong to"), "{error}");
+    }
+    assert_eq!(rows(&bench.path().join("d")), exact);
+}
+
+/// A kill while the manifest is written leaves it unfinished: whoever continues removes that, with a manifest and without.
+#[test]
+fn unfinished_manifests_are_removed() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let call = ["sweep", "scale.toml", "--over", "pan.mass=1:2:8", "--out", "d", "--resume"];
+    std::fs::create_dir(bench.path().join("d")).expect("a folder");
+    for _ in 0..2 {
+        for name in ["_study.json.partial", "_study.2.json.partial"] {
+            std::fs::write(bench.path().join("d").join(name), "{ \"format\"").expect("written");
+        }
+        bench.call(&call).code(0);
+        assert_eq!(files(&bench.path().join("d"), ".partial"), Vec::<PathBuf>::new());
+        assert_eq!(rows(&bench.path().join("d")).len(), 8);
+    }
+}
+
 /// What has to be there at the start are the addresses and numbers that fit somewhere: cases that make no scene are rows, whatever the
 /// middle of the plan is and in whatever order its numbers come.
 #[test]
