@@ -13,6 +13,7 @@ use crate::scenario::{Diagnostics, Override, Scenario, locate};
 use crate::simulate::outputs::OutputRanges;
 use crate::simulate::{self, State, Summary};
 use crate::statics::{self, Equilibrium};
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -157,11 +158,7 @@ impl Cases {
                 }
             };
             let direct = found.get_or_insert_with(|| Direct { scenario: read.clone(), numbers: numbers.clone() });
-            let settings = |one: &Scenario| {
-                let settings = (one.simulate, one.statics, one.record, one.path.clone());
-                (settings, one.unknown.clone(), one.aim.clone(), one.margin.clone())
-            };
-            if direct.description(&values)? != read.description || settings(&direct.scenario) != settings(&read) {
+            if direct.description(&values)? != read.description || !is_alike(&direct.scenario, &read) {
                 return None;
             }
         }
@@ -239,17 +236,23 @@ impl Cases {
 
     /// What stands in the columns of answers of one case.
     fn solve(&self, values: &[Value<'_>], go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Cell>, Failure> {
+        let (scenario, description, model) = self.scene(values)?;
+        self.answer(&scenario, description, model, go_on)
+    }
+
+    /// The scene of a case: settings, description and model.
+    pub(super) fn scene(&self, values: &[Value<'_>]) -> Result<(Cow<'_, Scenario>, Description, Arc<Model>), Failure> {
         let direct = self.direct.as_ref();
         if let Some((direct, description)) = direct.and_then(|direct| Some((direct, direct.description(values)?)))
             && let Ok(model) = Model::build(&description)
         {
-            return self.answer(&direct.scenario, description, model, go_on);
+            return Ok((Cow::Borrowed(&direct.scenario), description, model));
         }
         // Also of numbers that make no scene: what is wrong with them is said by who reads them.
         let scenario = self.read(&texts(values)).map_err(|problems| no(first(&problems)))?;
         let description = scenario.description.clone();
         let model = Model::build(&description).map_err(|problems| no(listed(&problems)))?;
-        self.answer(&scenario, description, model, go_on)
+        Ok((Cow::Owned(scenario), description, model))
     }
 
     /// Equilibrium and, if it is asked for, run of a scene with the settings of a scenario.
@@ -362,7 +365,15 @@ impl Direct {
     }
 }
 
-/// Refuses columns of one name.
+/// Whether scenes are asked the same, whatever they are.
+pub(super) fn is_alike(one: &Scenario, other: &Scenario) -> bool {
+    let settings = |one: &Scenario| {
+        let settings = (one.simulate, one.statics, one.record, one.path.clone());
+        (settings, one.unknown.clone(), one.aim.clone(), one.margin.clone())
+    };
+    settings(one) == settings(other)
+}
+
 /// A column whose name another one before it has.
 fn twice(columns: &[Column]) -> Option<&Column> {
     let mut names = HashSet::new();

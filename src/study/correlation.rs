@@ -71,7 +71,12 @@ impl Correlation {
                 ));
             }
             for (j, cell) in cells.iter().enumerate() {
-                matrix[(i, j)] = cell.parse().map_err(|_| format!("`{cell}` is not a number"))?;
+                let number: f64 = cell.parse().map_err(|_| format!("`{cell}` is not a number"))?;
+                if !number.is_finite() {
+                    let of = format!("line {}, `{}` and `{}`", i + 2, names[i], names[j]);
+                    return Err(format!("{of}: {number} is no correlation, allowed: finite numbers from −1 to 1"));
+                }
+                matrix[(i, j)] = number;
             }
         }
         Self::new(dimensions, matrix, names)
@@ -147,7 +152,8 @@ mod tests {
             ("a.mass,b.mass\n1,0\n0,1,0\n", "3 numbers"),
             ("a.mass,b.mass\n1,0.5\n0.4,1\n", "not symmetric"),
             ("a.mass,b.mass\n2,0\n0,1\n", "with itself"),
-            ("a.mass,b.mass\n1,nan\nnan,1\n", "not symmetric"),
+            ("a.mass,b.mass\n1,nan\nnan,1\n", "line 2, `a.mass` and `b.mass`: NaN is no correlation"),
+            ("a.mass,b.mass\n1,0\n-inf,1\n", "line 3, `b.mass` and `a.mass`: -inf is no correlation"),
             ("a.mass,b.mass\n1,1\n1,1\n", "not positive definite"),
             ("a.mass,b.mass,c.length\n1,0.9,-0.9\n0.9,1,0.9\n-0.9,0.9,1\n", "not positive definite"),
             (",a.mass,b.mass\nb.mass,1,0\na.mass,0,1\n", "begins with `b.mass`"),

@@ -110,6 +110,41 @@ fn runs_side_by_side_are_rows_one_by_one() {
     assert!(still.out.ends_with("4 cases\n"), "{}", still.out);
 }
 
+/// What no equilibrium follows from is read from the file, and goes side by side all the same; numbers that change what the scene is
+/// made of go one by one.
+#[test]
+fn all_numbers_go_side_by_side() {
+    let bench = Bench::new();
+    let arm = shipped("spring_arm");
+    let table = |lanes: &str, vary: &[&str]| {
+        let set = ["simulate.integrator=dopri5", "simulate.duration=0.1", "simulate.start=given"];
+        let set = set.iter().flat_map(|set| ["--set", set]).collect::<Vec<_>>();
+        let vary = vary.iter().flat_map(|vary| ["--vary", vary]).collect::<Vec<_>>();
+        let last = ["--cases", "4", "--lanes", lanes, "--out", "x.csv", "--json"];
+        let answer = bench.call(&[&["sweep", &arm, "--run"], &set[..], &vary[..], &last[..]].concat()).code(0);
+        let text = std::fs::read_to_string(bench.path().join("x.csv")).expect("a table");
+        let rows = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        (answer.json()["side_by_side"].as_u64().expect("a width"), rows.collect::<Vec<_>>())
+    };
+    let vary = ["upper_arm.damping=uniform(0,1)", "lamp.velocity[0]=normal(0,1)", "bag.force[0]=normal(0,3)"];
+    let ((width, beside), (one, alone)) = (table("auto", &vary), table("off", &vary));
+    assert!(width > 1 && one == 1, "{width} {one}");
+    for (here, there) in beside[1..].iter().zip(&alone[1..]) {
+        let named = beside[0].iter().zip(here).zip(there);
+        for ((name, here), there) in named.filter(|((name, _), _)| *name != "wall_seconds") {
+            match (here.parse::<f64>(), there.parse::<f64>()) {
+                (Ok(x), Ok(y)) => assert!((x - y).abs() < 1e-10 * y.abs().max(1.0), "{name}: {x} {y}"),
+                _ => assert_eq!(here, there, "{name}"),
+            }
+        }
+    }
+    let chain = shipped("chain_of_twenty");
+    let short = ["--set", "simulate.duration=0.01", "--set", "simulate.integrator=rk4", "--set", "simulate.step=0.005"];
+    let copies = ["--over", "link.repeat=2,3,4,5", "--json"];
+    let answer = bench.call(&[&["sweep", &chain, "--run"], &short[..], &copies[..]].concat()).code(0);
+    assert_eq!(answer.json()["side_by_side"], 1);
+}
+
 #[test]
 fn what_cannot_be_swept_is_a_wrong_call() {
     let bench = Bench::new();
