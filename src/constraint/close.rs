@@ -94,21 +94,24 @@ impl Constraints {
 /// Closes positions of a model whose locked coordinates stay where they are given.
 pub(crate) struct Closer {
     all: Closing,
-    /// With the rows alone that are independent at the start, where products of all of them are made.
+    /// With the rows alone that are independent at the start, where products of all of them are made: once there is a gap to close.
     independent: Option<Closing>,
 }
 
 impl Closer {
     pub(crate) fn new(model: &Model) -> Self {
-        let all = Closing::new(model, &RowSelection::locks(model), 0.0);
-        let known = model.independent_rows.as_ref().filter(|_| all.nearby() == Metric::Coordinates);
-        // Rows of locks come after those of the model.
-        let independent = known.map(|known| {
+        Self { all: Closing::new(model, &RowSelection::locks(model), 0.0), independent: None }
+    }
+
+    /// The rows that are independent at the start, if these alone are to be closed.
+    fn independent(&mut self, model: &Model) -> Option<&mut Closing> {
+        let known = model.independent_rows.as_ref().filter(|_| self.all.nearby() == Metric::Coordinates)?;
+        Some(self.independent.get_or_insert_with(|| {
             let mut fewer = Closing::new(model, &RowSelection::locks(model), 0.0);
+            // Rows of locks come after those of the model.
             fewer.rows.keep(|row| known.get(row).copied().unwrap_or(true));
             fewer
-        });
-        Self { all, independent }
+        }))
     }
 
     /// Closes `q`; false if a gap is left, or the tree is singular.
@@ -118,7 +121,7 @@ impl Closer {
             return true;
         }
         let given = q.to_vec();
-        if let Some(independent) = &mut self.independent {
+        if let Some(independent) = self.independent(model) {
             // Beyond a singular position, or with data of few digits, the others have their say.
             match independent.close_within(model, q, Metric::Coordinates, MOST_STEPS) {
                 Ok((gap, _)) if gap <= CLOSED.of(1.0) => return true,

@@ -2,6 +2,7 @@
 
 use crate::dynamics::{Fault, Powers, System};
 use crate::model::description::Description;
+use crate::model::structure::Structure;
 use crate::model::{Model, Parameter, Side, Stop, StopLaw};
 use crate::output::{Given, Outputs};
 use crate::spatial::{Pose, Wrench};
@@ -17,6 +18,7 @@ use crate::statics::problem::sizes::{NEUTRAL, comparable, count_by_stiffness, re
 use crate::statics::problem::{Branch, Landscape, apart, slides};
 use crate::statics::search::curve::{Family, Look, Metric};
 use faer::Mat;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Half the distance over which `f_λ` is taken, as a part of the range: most numbers enter affinely, and the others bend
@@ -27,8 +29,8 @@ const DIFFERENCE: f64 = 1e-4;
 pub(super) struct Moving<'a> {
     description: Description,
     parameters: &'a [Parameter],
-    /// The scene as it is built, as long as nothing moves.
-    built: Option<Arc<Model>>,
+    /// The scene as it was built last, and the value of the parameter there.
+    built: Option<(f64, Arc<Model>)>,
     /// What the assembly of the loops at the start has decided.
     assembled: Assembled,
     /// Motions along the loops where the last solution was looked at.
@@ -64,6 +66,8 @@ pub(super) struct Record {
     pub outputs: Vec<f64>,
     /// Unbalanced forces of the free coordinates.
     pub force: Vec<f64>,
+    /// Of each shape that was asked for.
+    pub curvatures: Vec<f64>,
 }
 
 impl<'a> Moving<'a> {
@@ -167,13 +171,12 @@ impl<'a> Moving<'a> {
 
     /// The scene at a value of the parameter, its stops in it, and `q` there.
     fn scene(&mut self, q: &[f64], parameter: f64) -> Result<(Arc<Model>, Vec<f64>), String> {
+        let is_built = |at: f64| self.parameters.is_empty() || at.to_bits() == parameter.to_bits();
         let model = match &self.built {
-            Some(built) => Arc::clone(built),
-            None => build(&mut self.description, self.parameters, parameter)?,
+            Some((at, built)) if is_built(*at) => Arc::clone(built),
+            _ => build(&mut self.description, self.parameters, parameter)?,
         };
-        if self.parameters.is_empty() {
-            self.built = Some(Arc::clone(&model));
-        }
+        self.built = Some((parameter, Arc::clone(&model)));
         if model.position_count() != q.len() {
             return Err(format!(
                 "at {parameter} the scene has {} coordinates, not {}: markers and sections of a beam cut it into another number of elements \
@@ -373,27 +376,17 @@ impl<'a> Moving<'a> {
         solved.ok_or_else(|| "the stiffness is singular here".to_owned())
     }
 
-    /// `ω²` of a motion that nothing damps, by Rayleigh's quotient of a shape in velocity coordinates brought onto the rows.
-    pub(super) fn curvature(&mut self, q: &[f64], parameter: f64, shape: &[f64]) -> Result<f64, String> {
-        self.with(q, parameter, |landscape, q| {
-            landscape.force(&q)?;
-            let (free, metric, steady) = (landscape.free.clone(), landscape.metric.clone(), landscape.steady.clone());
-            let momentum: Vec<f64> = free.iter().zip(&metric).map(|(i, b)| b * shape[*i]).collect();
-            let along = landscape.along_rows(&q, &momentum)?;
-            let moves = Mat::from_fn(free.len(), 1, |row, _| along[row] / metric[row]);
-            if landscape.ties.is_some() {
-                landscape.share_prestress(&q, &moves)?;
-            }
-            let mut full = vec![0.0; steady.len()];
-            free.iter().enumerate().for_each(|(row, i)| full[*i] = moves[(row, 0)]);
-            let column = Mat::from_fn(full.len(), 1, |i, _| full[i]);
-            let pushed = landscape.system().at(0.0, &q, &steady).stiffness_times(&column)?;
-            let work: f64 = full.iter().enumerate().map(|(i, x)| x * pushed[(i, 0)]).sum();
-            Ok(work / (2.0 * landscape.system().at(0.0, &q, &full).energies().kinetic))
-        })
+    /// [`answer`](Self::answer) to each of several changes, where nothing has zero stiffness.
+    pub(super) fn answers(&mut self, q: &[f64], parameter: f64, changes: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, String> {
+        let solved = self.with(q, parameter, |landscape, q| {
+            landscape.look(&q)?;
+            Ok(changes.iter().map(|change| landscape.newton(change)).collect::<Option<Vec<_>>>())
+        })?;
+        solved.ok_or_else(|| "the stiffness is singular here".to_owned())
     }
 
-    pub(super) fn record(&mut self, q: &[f64], parameter: f64) -> Result<Record, String> {
+    /// What is recorded of a place; with it [`curvatures`] of these shapes in velocity coordinates.
+    pub(super) fn record(&mut self, q: &[f64], parameter: f64, shapes: &[&[f64]]) -> Result<Record, String> {
         let (stops, set) = (self.stops.clone(), self.set.clone());
         self.with(q, parameter, |landscape, q| {
             let (potential, steady) = (landscape.potential(&q), landscape.steady.clone());
@@ -405,6 +398,7 @@ impl<'a> Moving<'a> {
             }
             // With loops: the multipliers there.
             let force = landscape.force(&q)?;
+            let curvatures = curvatures(landscape, &q, shapes)?;
             let mut at = landscape.system().at(0.0, &q, &steady);
             at.share_multipliers()?;
             let mut energies = at.energies();
@@ -427,7 +421,7 @@ impl<'a> Moving<'a> {
                 None => Vec::new(),
             };
             at.poses(&mut poses);
-            Ok(Record { poses, reactions, potential, outputs, force })
+            Ok(Record { poses, reactions, potential, outputs, force, curvatures })
         })
     }
 
@@ -468,6 +462,35 @@ impl Family for Moving<'_> {
     }
 }
 
+/// `ω²` of motions that nothing damps, by Rayleigh's quotients of shapes in velocity coordinates brought onto the rows. The forces at `q`
+/// have been asked for.
+fn curvatures(landscape: &mut Landscape<'_>, q: &[f64], shapes: &[&[f64]]) -> Result<Vec<f64>, Fault> {
+    if shapes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (free, metric, steady) = (landscape.free.clone(), landscape.metric.clone(), landscape.steady.clone());
+    let mut moves = Mat::zeros(free.len(), shapes.len());
+    for (column, shape) in shapes.iter().enumerate() {
+        let momentum: Vec<f64> = free.iter().zip(&metric).map(|(i, b)| b * shape[*i]).collect();
+        let along = landscape.along_rows(q, &momentum)?;
+        along.iter().zip(&metric).enumerate().for_each(|(row, (x, b))| moves[(row, column)] = x / b);
+    }
+    if landscape.ties.is_some() {
+        landscape.share_prestress(q, &moves)?;
+    }
+    let mut full = Mat::zeros(steady.len(), shapes.len());
+    for column in 0..shapes.len() {
+        free.iter().enumerate().for_each(|(row, i)| full[(*i, column)] = moves[(row, column)]);
+    }
+    let pushed = landscape.system().at(0.0, q, &steady).stiffness_times(&full)?;
+    let mut quotient = |column: usize| {
+        let rates: Vec<f64> = (0..full.nrows()).map(|i| full[(i, column)]).collect();
+        let work: f64 = rates.iter().enumerate().map(|(i, x)| x * pushed[(i, column)]).sum();
+        work / (2.0 * landscape.system().at(0.0, q, &rates).energies().kinetic)
+    };
+    Ok((0..shapes.len()).map(&mut quotient).collect())
+}
+
 /// What the springs of hinges and of the compliant stops that bear on them hold more than the one spring that stands for both
 /// (J): (1) of `bearing`.
 fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
@@ -490,9 +513,14 @@ fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f
     bearing::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
 }
 
+/// The model before the first stage: what the others make of the scene is not asked here, and each would be a model of its own.
 fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Arc<Model>, String> {
     parameters.iter().try_for_each(|one| one.set(description, value))?;
-    Model::build(description)
+    let first = match description.stages.is_empty() {
+        true => Cow::Borrowed(&*description),
+        false => Cow::Owned(Structure::first(description).describe(description)),
+    };
+    Model::build(&first)
         .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
 }
 

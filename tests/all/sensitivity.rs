@@ -180,6 +180,58 @@ fn numbers_asked_for_together_answer_as_alone() {
     }
 }
 
+/// Loads that follow their bodies have no potential, and the stiffness no symmetry: all numbers at once answer as alone.
+#[test]
+fn numbers_asked_for_together_answer_as_alone_beside_a_load_that_follows() {
+    let link = |name: &str, parent: &str, k: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1.5\ncenter = [0.5, 0, 0]\nmarkers = {{ tip = [1, 0, 0] }}\n\
+             hinge = {{ type = \"revolute\", parent = \"{parent}\", at = [{}, 0, 0], axis = [0, 1, 0], stiffness = {k} }}\n",
+            if parent == "ground" { 0.0 } else { 1.0 }
+        )
+    };
+    let text = [
+        link("a", "ground", 60.0),
+        link("b", "a", 40.0),
+        link("c", "b", 30.0),
+        "[[force]]\nname = \"jet\"\ntype = \"load\"\non = \"c.tip\"\nforce = [-3, 0, 4]\naxes = \"body\"\n".to_owned(),
+        "[[output]]\nname = \"tip\"\ntype = \"position\"\nof = \"c.tip\"\n".to_owned(),
+    ];
+    let description = parse("jet.toml", &text.concat(), &[]).unwrap().description;
+    let (model, found) = solved(&description).unwrap();
+    assert!(!model.is_conservative_at_rest());
+    let all = sensitivities(&description, &model, &found, &["tip".to_owned()], None, &|| true).unwrap();
+    for (column, one) in influences(&description).iter().enumerate() {
+        let numbers = Some(vec![one.clone()]);
+        let alone = sensitivities(&description, &model, &found, &["tip".to_owned()], numbers, &|| true).unwrap();
+        for row in 0..3 {
+            let (together, alone) = (all.derivatives[row][column].unwrap(), alone.derivatives[row][0].unwrap());
+            let error = (together - alone).abs();
+            assert!(error <= 1e-8 * alone.abs() + 1e-10, "{} {}: {together:e} {alone:e}", row, one.address);
+        }
+    }
+}
+
+/// A scene of many stages, loads that follow, guides and 299 numbers: each costs a differentiated residual of the structure before the first stage,
+/// and that far less than the equilibrium does.
+#[test]
+fn all_numbers_of_a_large_scene_are_soon_there() {
+    let launcher = file("launcher");
+    let took = |more: &[&str]| {
+        let begun = std::time::Instant::now();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
+        let output = command.arg("statics").arg(&launcher).args(more).args(["--json", "--quiet"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        (begun.elapsed().as_secs_f64(), serde_json::from_slice::<Value>(&output.stdout).unwrap())
+    };
+    let (alone, _) = took(&[]);
+    let (all, answer) = took(&["--sensitivity", "elevation"]);
+    let numbers = answer["sensitivities"]["elevation"].as_object().unwrap();
+    assert_eq!(numbers.values().filter(|one| one.is_null()).count(), 12, "rockets whose masses burn");
+    let count = numbers.len() as f64;
+    assert!(count > 250.0 && all < 0.25 * count * alone, "{count} numbers: {all} s beside {alone} s");
+}
+
 /// A weight on a spring, and a rope that is slack, taut, or just so.
 fn scale(extra: &str) -> String {
     format!(
@@ -350,8 +402,26 @@ fn names_that_are_not_known_are_refused() {
     assert!(beyond.to_string().contains("one frequency, `frequency[0]`"), "{beyond}");
     let twice = "[[body]]\nname = \"b\"\nrepeat = 1\nmass = 1.0\ncenter = [0, 0, -1]\n\
                  hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]] }\n";
-    let repeated = answers(twice, &["frequency[0]"]).unwrap_err();
-    assert!(repeated.to_string().contains("equals `frequency[1]`"), "{repeated}");
+    let table = answers(twice, &["frequency[0]"]).unwrap();
+    assert!(!table.parameters.is_empty() && table.derivatives[0].iter().all(Option::is_none), "{table:?}");
+}
+
+/// A frequency without derivatives has none, and a note; the others of the call have theirs.
+#[test]
+fn a_frequency_that_is_repeated_does_not_keep_the_others() {
+    let text = "[[body]]\nname = \"b\"\nmass = 1.0\ncenter = [0, 0, -1]\n\
+                hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]] }\n\
+                [[body]]\nname = \"pan\"\nmass = 2.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }\n\
+                [[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n";
+    let table = answers(text, &["frequency[0]", "frequency[2]", "z"]).unwrap();
+    assert!(table.outputs[0].value > 0.0 && table.derivatives[0].iter().all(Option::is_none), "{table:?}");
+    let note = "no derivatives of `frequency[0]`: the frequency is repeated, so it has no derivative: it equals `frequency[1]`";
+    assert!(table.notes.iter().any(|one| one.starts_with(note)), "{:?}", table.notes);
+    // ω² = k / m, z = −m g / k.
+    let by = derivative(&table, 1, "pan.stiffness").unwrap();
+    let expected = 0.5 * (50.0_f64).sqrt() / 100.0 / std::f64::consts::TAU;
+    assert!((by - expected).abs() < 1e-9 * expected, "{by} for {expected}");
+    assert!((derivative(&table, 2, "pan.mass").unwrap() + 9.80665 / 100.0).abs() < 1e-9);
 }
 
 /// Every scenario that rests: by numbers of its own, against equilibria found again.

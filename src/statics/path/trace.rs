@@ -403,7 +403,7 @@ impl<'a> Tracer<'a> {
         event: Option<PathEvent>,
         wanted: bool,
     ) -> Result<(), String> {
-        let record = self.moving.record(&point.place.q, point.parameter)?;
+        let record = self.moving.record(&point.place.q, point.parameter, &[])?;
         let verdict = match (count.unstable, count.neutral) {
             (0, 0) => StabilityVerdict::Stable,
             (0, _) => StabilityVerdict::Neutral,

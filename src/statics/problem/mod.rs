@@ -140,7 +140,7 @@ impl<'s> Landscape<'s> {
                 let (steady, frozen) = ties::steady(system, q);
                 let sparse = conservative && by_sparse_rows(model, &free, &steady);
                 let sweeps = sparse || (conservative && by_sweeps(model, &free, &steady));
-                (steady, Some(Box::new(Ties::new(model, frozen, [sweeps, sparse]))))
+                (steady, Some(Box::new(Ties::new(frozen, [sweeps, sparse]))))
             }
         };
         let bordered = conservative && ties.is_none() && by_sweeps(model, &free, &steady);

@@ -47,7 +47,8 @@ const FEW: usize = 4;
 
 /// The rows of a model, and where its search stands on the closed positions.
 pub(in crate::statics) struct Ties {
-    closer: Closer,
+    /// Once there is something to close: places that are closed ask for none.
+    closer: Option<Closer>,
     /// Whether rows border a sweep; else matrices are dense.
     pub(in crate::statics) sweeps: bool,
     /// Whether the tangent is a sparse matrix with all of them.
@@ -78,9 +79,9 @@ pub(in crate::statics) struct View {
 }
 
 impl Ties {
-    pub(in crate::statics) fn new(model: &Model, frozen: Vec<String>, [sweeps, sparse]: [bool; 2]) -> Self {
+    pub(in crate::statics) fn new(frozen: Vec<String>, [sweeps, sparse]: [bool; 2]) -> Self {
         let (view, branch, stiffens, prestress) = (None, None, None, Prestress::None);
-        Self { closer: Closer::new(model), sweeps, sparse, frozen, view, branch, stiffens, prestress }
+        Self { closer: None, sweeps, sparse, frozen, view, branch, stiffens, prestress }
     }
 
     /// Takes matrices from now on: what was seen by other ways is forgotten.
@@ -93,7 +94,7 @@ impl Landscape<'_> {
     /// Brings a position onto the rows; false if that cannot be done.
     pub(in crate::statics) fn close(&mut self, q: &mut [f64]) -> bool {
         let model = self.system.model();
-        self.ties.as_mut().is_none_or(|ties| ties.closer.close(model, q))
+        self.ties.as_mut().is_none_or(|ties| ties.closer.get_or_insert_with(|| Closer::new(model)).close(model, q))
     }
 
     /// What the search remembers of where it came from.

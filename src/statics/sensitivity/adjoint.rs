@@ -2,26 +2,40 @@
 //! number.
 //!
 //! ```text
-//! z_k: the motions, at fixed numbers     G_k = d/dh y(q ⊞ h z_k),    Y_k = d/dh f(q ⊞ h z_k)
-//! (4)  K μ = Σ B z_k G_k                  one solution an output
-//! (5)  dy/dp = ∂y/∂p + μᵀ ∂f/∂p           both at q, with the loops closed again
-//! (6)  Σ (μ·B z_k) Y_k + Σ B z_k G_k = 0  proves (4)
+//! z_k: the motions, zᵢᵀB z_k = δᵢₖ, at fixed numbers     G_k = d/dh y(q ⊞ h z_k),    Y_k = d/dh f(q ⊞ h z_k) = −K z_k
+//! (4)  μᵀY_k + G_k = 0                for every k: one solution μ an output, of Kᵀ
+//! (5)  dy/dp = ∂y/∂p + μᵀ ∂f/∂p       both at q, with the loops closed again
+//! (6)  μ = Σ_k z_k Σ_j G_j z_jᵀB x_k,     K x_k = B z_k
 //! ```
 //!
-//! `K` is symmetric where all loads have a potential. A number costs the differences of (5) alone, an output those of its motions. What is not
-//! smooth, or not known well enough in this way, is left to the other.
+//! (6) solves (4) by the factorization of the statics, which knows `K` and no transpose; what it leaves of (4) is solved for again, and what is
+//! left then, with the errors of the differences, says how far `μ` may be off. A number costs the differences of (5) alone, an output those of its motions. What is not smooth, or not
+//! known well enough in this way, is left to the other.
 
 use super::{FARTHEST, FIRST, PROVED, SMALL, Study, ZERO};
-use crate::extrapolate::derivative;
+use crate::extrapolate::{Derivative, derivative};
 use crate::model::Parameter;
 
-/// An error larger than this part of a derivative is left to the direct way.
-const KNOWN: f64 = 1e-9;
+/// Differences of (5) whose error is a larger part of a derivative are left to the direct way, and so is a `μ` that may make it off by more than
+/// the other part.
+const KNOWN: f64 = 1e-8;
+const BOUND: f64 = 1e-7;
+/// Solutions of (4), the first included.
+const ROUNDS: usize = 3;
 
 /// What each row asks of the forces.
 pub(super) struct Adjoint {
-    /// Row by row: `μ`, over the free coordinates.
-    multipliers: Vec<Vec<f64>>,
+    /// Row by row, over the free coordinates: `μ`, and how far it may be off.
+    multipliers: Vec<[Vec<f64>; 2]>,
+}
+
+/// The motions, and what each of them changes.
+struct Motions {
+    motions: Vec<Vec<f64>>,
+    /// `G_k` of every row and `Y_k`, and their errors.
+    changes: Vec<Derivative>,
+    /// `z_jᵀB x_k`, by `k`, then `j`.
+    inverse: Vec<Vec<f64>>,
 }
 
 impl Adjoint {
@@ -31,43 +45,25 @@ impl Adjoint {
         if study.neutral || numbers <= 3 || study.levers.is_empty() {
             return None;
         }
-        let q = study.q;
-        let motions = study.moving.motions(q, 0.0).ok()?;
+        let motions = study.moving.motions(study.q, 0.0).ok()?;
         if motions.is_empty() || motions.len() >= numbers {
             return None;
         }
-        let inertia = study.moving.metric().inertia.clone();
-        let (count, free) = (study.rows.len(), inertia.len());
-        let mut asked = vec![vec![0.0; free]; count];
-        let mut slopes = Vec::with_capacity(motions.len());
+        let mut changes = Vec::with_capacity(motions.len());
         for motion in &motions {
             if !go_on() {
                 return None;
             }
-            let slope = study.along_motion(motion)?;
-            for (asked, slope) in asked.iter_mut().zip(&slope) {
-                (0..free).for_each(|i| asked[i] += inertia[i] * motion[i] * slope);
-            }
-            slopes.push(slope);
+            changes.push(study.along_motion(motion)?);
         }
-        let mut multipliers = Vec::with_capacity(count);
-        for asked in &asked {
-            if asked.iter().all(|x| *x == 0.0) {
-                multipliers.push(vec![0.0; free]);
-                continue;
-            }
-            let answer = study.moving.answer(q, 0.0, asked, false).ok()?;
-            let mut left = asked.clone();
-            for (motion, slope) in motions.iter().zip(&slopes) {
-                let part: f64 = (0..free).map(|i| answer[i] * inertia[i] * motion[i]).sum();
-                (0..free).for_each(|i| left[i] += part * slope[count + i]);
-            }
-            let most = asked.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if left.iter().any(|x| !(x.abs() <= PROVED * most)) {
-                return None;
-            }
-            multipliers.push(answer);
-        }
+        let inertia = study.moving.metric().inertia.clone();
+        let weighed = |x: &[f64]| x.iter().zip(&inertia).map(|(x, b)| b * x).collect::<Vec<f64>>();
+        let pushes: Vec<Vec<f64>> = motions.iter().map(|motion| weighed(motion)).collect();
+        let answers = study.moving.answers(study.q, 0.0, &pushes).ok()?;
+        let inverse = answers.iter().map(|answer| pushes.iter().map(|push| dot(push, answer)).collect()).collect();
+        let all = Motions { motions, changes, inverse };
+        let multipliers =
+            (0..study.rows.len()).map(|row| all.multipliers(row, study.rows.len())).collect::<Option<_>>()?;
         Some(Self { multipliers })
     }
 
@@ -88,16 +84,15 @@ impl Adjoint {
         if found.kinks.contains(&true) {
             return None;
         }
-        let count = study.rows.len();
-        let mut column = Vec::with_capacity(count);
-        for (row, multipliers) in self.multipliers.iter().enumerate() {
-            let sum = |of: &dyn Fn(f64, usize) -> f64| -> f64 {
-                multipliers.iter().enumerate().map(|(i, x)| of(*x, count + i)).sum()
-            };
-            let x = found.value[row] + sum(&|x, i| x * found.value[i]);
-            let error = found.error[row] + sum(&|x, i| (x * found.error[i]).abs());
+        let (of_rows, of_forces) = (0..study.rows.len(), study.rows.len()..center.len());
+        let (change, unsure) = (&found.value[of_forces.clone()], &found.error[of_forces]);
+        let mut column = Vec::with_capacity(study.rows.len());
+        for (row, [multipliers, off]) in of_rows.zip(&self.multipliers) {
+            let x = found.value[row] + dot(multipliers, change);
+            let error = found.error[row] + together(multipliers, unsure);
             let round_off = ZERO * study.units[row] / unit;
-            if !(error <= (KNOWN * x.abs()).max(round_off)) {
+            let is_known = |error: f64, part: f64| error <= (part * x.abs()).max(round_off);
+            if !(is_known(error, KNOWN) && is_known(together(off, change), BOUND)) {
                 return None;
             }
             column.push(Some(if x.abs() <= round_off { 0.0 } else { x }));
@@ -106,16 +101,74 @@ impl Adjoint {
     }
 }
 
+impl Motions {
+    /// `μ` of a row, and how far it may be off; `None` if (4) does not hold.
+    fn multipliers(&self, row: usize, rows: usize) -> Option<[Vec<f64>; 2]> {
+        let asked: Vec<f64> = self.changes.iter().map(|change| change.value[row]).collect();
+        let most = asked.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let mut multipliers = vec![0.0; self.motions[0].len()];
+        let left = |multipliers: &[f64]| -> Vec<f64> {
+            let of = |(change, asked): (&Derivative, &f64)| asked + dot(multipliers, &change.value[rows..]);
+            self.changes.iter().zip(&asked).map(of).collect()
+        };
+        let unsure = |multipliers: &[f64]| -> Vec<f64> {
+            let of = |change: &Derivative| change.error[row] + together(multipliers, &change.error[rows..]);
+            self.changes.iter().map(of).collect()
+        };
+        // Differences have fewer digits than the factorization: what they do not tell from zero is not solved for.
+        for _ in 0..ROUNDS {
+            let more = self.solved(&left(&multipliers));
+            multipliers.iter_mut().zip(&more).for_each(|(x, more)| *x += more);
+            if left(&multipliers).iter().zip(&unsure(&multipliers)).all(|(x, unsure)| x.abs() <= *unsure) {
+                break;
+            }
+        }
+        let left: Vec<f64> =
+            left(&multipliers).iter().zip(unsure(&multipliers)).map(|(x, unsure)| x.abs().max(unsure)).collect();
+        if left.iter().any(|x| !(*x <= PROVED * most)) {
+            return None;
+        }
+        let off = self.off(&left);
+        Some([multipliers, off])
+    }
+
+    /// (6) for these `G_j`.
+    fn solved(&self, asked: &[f64]) -> Vec<f64> {
+        let mut found = vec![0.0; self.motions[0].len()];
+        for (motion, inverse) in self.motions.iter().zip(&self.inverse) {
+            let part = dot(asked, inverse);
+            found.iter_mut().zip(motion).for_each(|(x, z)| *x += part * z);
+        }
+        found
+    }
+
+    /// How far (6) is off if the `G_j` are by so much.
+    fn off(&self, asked: &[f64]) -> Vec<f64> {
+        let parts: Vec<f64> = self.inverse.iter().map(|inverse| together(asked, inverse)).collect();
+        let free = 0..self.motions[0].len();
+        free.map(|i| parts.iter().zip(&self.motions).map(|(part, z)| (part * z[i]).powi(2)).sum::<f64>().sqrt())
+            .collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The error of [`dot`], that of each factor `b` being by chance and its own.
+fn together(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a * b).powi(2)).sum::<f64>().sqrt()
+}
+
 impl Study<'_> {
-    /// Derivatives of the rows and the unbalanced forces along a motion at fixed numbers; `None` if they are not smooth or not known.
-    fn along_motion(&mut self, motion: &[f64]) -> Option<Vec<f64>> {
+    /// Derivatives of the rows and the unbalanced forces along a motion at fixed numbers; `None` if they are not smooth.
+    fn along_motion(&mut self, motion: &[f64]) -> Option<Derivative> {
         let fastest = motion.iter().zip(&self.levers).map(|(x, lever)| x.abs() / lever).fold(0.0, f64::max);
         let unit = 1.0 / fastest.max(f64::MIN_POSITIVE);
         let sizes: Vec<f64> = self.units.iter().chain(&self.forces).map(|size| SMALL * size / unit).collect();
         let (center, noise) = (self.center.clone(), self.noise.clone());
         let along = &mut |h: f64| self.along(motion, 0.0, h);
         let found = derivative(along, &center, FARTHEST * unit, (&sizes, &noise)).ok()?;
-        let known = |i: usize| found.error[i] <= KNOWN * found.value[i].abs().max(sizes[i]);
-        (!found.kinks.contains(&true) && (0..sizes.len()).all(known)).then_some(found.value)
+        (!found.kinks.contains(&true)).then_some(found)
     }
 }

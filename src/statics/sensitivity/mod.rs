@@ -17,6 +17,7 @@ mod stops;
 
 use super::certify::bearing::{self, Set};
 use super::certify::equilibrium::Equilibrium;
+use super::certify::modes::NaturalMode;
 use super::certify::stability::Stability;
 use super::family::Moving;
 use super::inverse::unit;
@@ -120,7 +121,7 @@ pub enum SensitivityError {
         /// What may have been meant.
         hint: String,
     },
-    /// A frequency that there is not, or that has no derivative.
+    /// A frequency that there is not.
     #[error("`{name}`: {why}")]
     Frequency {
         /// As it was asked for.
@@ -142,6 +143,17 @@ enum Row {
     Output(usize),
     /// The shape of a mode, in velocity coordinates.
     Frequency(Vec<f64>),
+    /// A frequency without derivatives, and what is in the way.
+    Without(String),
+}
+
+impl Row {
+    fn shape(&self) -> Option<&[f64]> {
+        match self {
+            Self::Output(_) | Self::Without(_) => None,
+            Self::Frequency(shape) => Some(shape),
+        }
+    }
 }
 
 /// The derivatives of `asked` (names of outputs, `frequency[0]` …) at an equilibrium by `parameters`, as long as what bears bears
@@ -182,8 +194,7 @@ pub fn sensitivities(
     let set = bearing::borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
     let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
-    let is_symmetric = model.is_conservative_at_rest() && found.velocity.iter().all(|v| *v == 0.0);
-    let adjoint = if is_symmetric { Adjoint::of(&mut study, parameters.len(), go_on) } else { None };
+    let adjoint = Adjoint::of(&mut study, parameters.len(), go_on);
     for (one, number) in parameters.iter().zip(&numbers) {
         if !go_on() {
             return Err(SensitivityError::Interrupted);
@@ -191,8 +202,14 @@ pub fn sensitivities(
         let column = adjoint.as_ref().and_then(|adjoint| adjoint.by(&mut study, one, number.value));
         columns.push(column.unwrap_or_else(|| study.by(one, number)));
     }
-    let derivatives = (0..rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
-    let mut notes = study.notes;
+    let Study { mut notes, without, .. } = study;
+    let of_row = |(row, why): (usize, &Option<String>)| {
+        columns.iter().map(|column| column[row].filter(|_| why.is_none())).collect()
+    };
+    let derivatives = without.iter().enumerate().map(of_row).collect();
+    for (output, why) in outputs.iter().zip(&without) {
+        notes.extend(why.iter().map(|why| format!("no derivatives of `{}`: {why}", output.name)));
+    }
     if is_aimed {
         notes.push("numbers that were found for the aim stay as they are: nothing is aimed again".to_owned());
     }
@@ -226,7 +243,8 @@ fn of_name(
     if outputs.iter().any(|one| one.name == name || one.name.starts_with(&format!("{name}["))) {
         return Ok(());
     }
-    let Some(index) = name.strip_prefix("frequency[").and_then(|rest| rest.strip_suffix(']')?.parse().ok()) else {
+    let Some(index) = name.strip_prefix("frequency[").and_then(|rest| rest.strip_suffix(']')?.parse::<usize>().ok())
+    else {
         let known = model.outputs.iter().map(|output| output.name.as_str()).chain(["frequency[0]"]);
         // As tables of `sweep` call it.
         let of_table = name.strip_prefix("frequencies_hz").map(|place| format!("frequency{place}"));
@@ -234,40 +252,45 @@ fn of_name(
         let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
         return Err(SensitivityError::Output { name: name.to_owned(), hint });
     };
-    let (shape, value) =
-        mode(model, found, index).map_err(|why| SensitivityError::Frequency { name: name.to_owned(), why })?;
-    outputs.push(Response { name: name.to_owned(), unit: "Hz".to_owned(), value });
-    rows.push(Row::Frequency(shape));
-    Ok(())
-}
-
-/// Shape, in velocity coordinates, and frequency (Hz) of a mode, by its place among the frequencies; or why it has no derivative.
-fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f64), String> {
     let modes: Vec<_> = found.stability.iter().flat_map(Stability::swinging).collect();
     let Some(mode) = modes.get(index) else {
-        return Err(match modes.len() {
+        let why = match modes.len() {
             0 => "the equilibrium has no frequencies".to_owned(),
             1 => "the equilibrium has one frequency, `frequency[0]`".to_owned(),
             count => format!("the frequencies of the equilibrium are 0 to {}", count - 1),
-        });
+        };
+        return Err(SensitivityError::Frequency { name: name.to_owned(), why });
     };
-    if mode.frequency_hz == 0.0 {
-        return Err("the motion has zero stiffness, and a frequency there no derivative".to_owned());
+    outputs.push(Response { name: name.to_owned(), unit: "Hz".to_owned(), value: mode.frequency_hz });
+    rows.push(match without(model, found, index, &modes) {
+        Some(why) => Row::Without(why),
+        None => Row::Frequency(shape(model, mode)),
+    });
+    Ok(())
+}
+
+/// Why a frequency has no derivatives, if it has none.
+fn without(model: &Model, found: &Equilibrium, index: usize, modes: &[&NaturalMode]) -> Option<String> {
+    let frequency = modes[index].frequency_hz;
+    if frequency == 0.0 {
+        return Some("the motion has zero stiffness, and a frequency there no derivative".to_owned());
     }
     if !model.is_conservative_at_rest() || found.velocity.iter().any(|v| *v != 0.0) {
-        return Err("frequencies have derivatives here only if all loads have a potential and nothing spins".to_owned());
+        return Some(
+            "frequencies have derivatives here only if all loads have a potential and nothing spins".to_owned(),
+        );
     }
-    let near = |other: &usize| (modes[*other].frequency_hz / mode.frequency_hz - 1.0).abs() < REPEATED;
-    if let Some(twin) = (0..modes.len()).filter(|other| *other != index).find(near) {
-        return Err(format!(
-            "the frequency is repeated, so it has no derivative: it equals `frequency[{twin}]`, {} Hz",
-            mode.frequency_hz
-        ));
-    }
+    let near = |other: &usize| (modes[*other].frequency_hz / frequency - 1.0).abs() < REPEATED;
+    let twin = (0..modes.len()).filter(|other| *other != index).find(near)?;
+    Some(format!("the frequency is repeated, so it has no derivative: it equals `frequency[{twin}]`, {frequency} Hz"))
+}
+
+/// Shape of a mode, in velocity coordinates.
+fn shape(model: &Model, mode: &NaturalMode) -> Vec<f64> {
     let mut shape = vec![0.0; model.velocity_count()];
     let free = (0..shape.len()).filter(|i| !model.coordinates[*i].lock).collect::<Vec<_>>();
     free.into_iter().zip(&mode.shape).for_each(|(i, x)| shape[i] = *x);
-    Ok((shape, mode.frequency_hz))
+    shape
 }
 
 /// The equilibrium, and what is asked of it.
@@ -289,6 +312,8 @@ struct Study<'a> {
     /// Shift of a stiffness that has zero-stiffness directions.
     neutral: bool,
     names: Vec<String>,
+    /// Why a row has no derivatives, if that is so.
+    without: Vec<Option<String>>,
     notes: Vec<String>,
 }
 
@@ -334,17 +359,26 @@ impl<'a> Study<'a> {
             levers,
             neutral: stability.is_some_and(|stability| stability.neutral_directions > 0),
             names: outputs.iter().map(|output| output.name.clone()).collect(),
+            without: rows
+                .iter()
+                .map(|row| if let Row::Without(why) = row { Some(why.clone()) } else { None })
+                .collect(),
             notes,
         };
         let none = vec![0.0; study.levers.len()];
         study.center = study.along(&none, 0.0, 0.0).map_err(SensitivityError::Failed)?;
         let largest = study.largest();
-        for (output, value) in outputs.iter_mut().zip(&study.center) {
-            if let (true, false) = (output.unit == "Hz", (value / output.value - 1.0).abs() < REPEATED) {
-                let why = "rows that are linearly dependent do not determine it".to_owned();
-                return Err(SensitivityError::Frequency { name: output.name.clone(), why });
+        for ((output, value), (row, without)) in
+            outputs.iter_mut().zip(&study.center).zip(rows.iter().zip(&mut study.without))
+        {
+            match row {
+                Row::Output(_) => output.value = *value,
+                Row::Frequency(_) if (value / output.value - 1.0).abs() < REPEATED => output.value = *value,
+                Row::Frequency(_) => {
+                    *without = Some("rows that are linearly dependent do not determine it".to_owned());
+                }
+                Row::Without(_) => {}
             }
-            output.value = *value;
             let quantity = Quantity::of_unit(&output.unit).unwrap_or(Quantity::Plain);
             study.units.push(unit(quantity, *value, model, largest).max(value.abs()));
         }
@@ -363,14 +397,15 @@ impl<'a> Study<'a> {
     fn along(&mut self, slope: &[f64], value: f64, h: f64) -> Result<Vec<f64>, String> {
         let step: Vec<f64> = slope.iter().map(|x| h * x).collect();
         let q = self.moving.moved(self.q, &step);
-        let record = self.moving.record(&q, value + h)?;
+        let shapes: Vec<&[f64]> = self.rows.iter().filter_map(Row::shape).collect();
+        let record = self.moving.record(&q, value + h, &shapes)?;
+        let mut frequencies = record.curvatures.iter().map(|square| square.sqrt() / TAU);
         let mut all = Vec::with_capacity(self.rows.len() + record.force.len());
-        for row in self.rows {
-            all.push(match row {
-                Row::Output(place) => record.outputs[*place],
-                Row::Frequency(shape) => self.moving.curvature(&q, value + h, shape)?.sqrt() / TAU,
-            });
-        }
+        all.extend(self.rows.iter().map(|row| match row {
+            Row::Output(place) => record.outputs[*place],
+            Row::Frequency(_) => frequencies.next().unwrap_or(f64::NAN),
+            Row::Without(_) => 0.0,
+        }));
         all.extend(record.force);
         Ok(all)
     }
