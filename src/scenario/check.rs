@@ -103,7 +103,7 @@ impl Check<'_> {
     fn misplaced(&self, element: &Element<'_>, name: &Spanned<impl AsRef<str>>, of_type: &str) {
         let word = name.get_ref().as_ref();
         let what = element.table.name;
-        let message = format!("{}a {of_type} {what} has no `{word}`", element.prefix());
+        let message = format!("{}{} {of_type} {what} has no `{word}`", element.prefix(), article(of_type));
         let owners: Vec<&str> = element.table.declarations(word).flat_map(|key| key.only.iter().copied()).collect();
         let help = if owners.len() + 1 == element.table.types.len() {
             "every other type has it".to_owned()
@@ -292,6 +292,12 @@ fn tables(kind: &'static Kind) -> Box<dyn Iterator<Item = &'static Table>> {
 
 fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     closest(word, known).map(|near| format!("did you mean `{near}`?"))
+}
+
+/// The indefinite article of a word of the format.
+pub(super) fn article(word: &str) -> &'static str {
+    let vowel = word.starts_with(['a', 'e', 'i', 'o', 'u']) && !word.starts_with("uni");
+    if vowel { "an" } else { "a" }
 }
 
 #[cfg(test)]

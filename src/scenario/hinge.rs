@@ -1,5 +1,6 @@
 //! Hinges, and their values per coordinate, per velocity and per copy.
 
+use super::check::article;
 use super::findings::Finding;
 use super::reader::{Reader, number, numbers, only, rows};
 use crate::hinge::Keys;
@@ -291,9 +292,10 @@ impl Values<'_> {
             Some(items) => format!("a list of {}", items.len()),
         };
         let message = format!(
-            "hinge of body `{}`: `{}` of a {} hinge must be {one}{many}; found {found}",
+            "hinge of body `{}`: `{}` of {} {} hinge must be {one}{many}; found {found}",
             self.owner,
             self.key,
+            article(self.kind.name()),
             self.kind.name()
         );
         let order = self.order().map(|order| format!("in this order: {order}"));

@@ -21,6 +21,7 @@ mod overlap;
 mod unit;
 mod within;
 
+use super::check::article;
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
 use super::format::{BODY, HINGE, MATERIAL, SCENARIO};
@@ -382,10 +383,6 @@ fn holds_table(kind: &Kind) -> bool {
         Kind::Either(kinds) => kinds.iter().any(holds_table),
         _ => false,
     }
-}
-
-fn article(name: &str) -> &'static str {
-    if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
 }
 
 /// All elements: what they are and where, their names and places, how often they are repeated.

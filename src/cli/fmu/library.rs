@@ -25,6 +25,14 @@ pub(super) fn read(path: Option<&Path>) -> anyhow::Result<Library> {
         None => {
             let program = std::env::current_exe().context("the folder of the program is not known")?;
             let beside = program.with_file_name(&name);
+            // Of a Python package the interpreter is the program, and nothing of ours lies beside it.
+            if program.file_stem().is_none_or(|stem| stem != env!("CARGO_PKG_NAME")) {
+                bail!(
+                    "the Python package has no library of FMUs, which every FMU holds\nhint: build `{name}` from a clone of the sources of \
+                     this version, {} (`{BUILD}`), and name it with `--library target/release/{name}`",
+                    env!("CARGO_PKG_VERSION")
+                );
+            }
             if !beside.is_file() {
                 bail!(
                     "there is no `{}`: an FMU holds this library\nhint: build it (`{BUILD}`) and copy it there, or name it with `--library`",

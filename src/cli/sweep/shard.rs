@@ -35,7 +35,8 @@ impl Shard {
             None => of_engine(of, environment)?,
         };
         if index >= of {
-            let named = source.map_or(format!("`--shard {index}`"), |source| format!("{index} of {source}"));
+            let named =
+                source.map_or(format!("`--shard {index}`"), |source| format!("{source} stands for shard {index}"));
             bail!("{named}: the shards of `--shards {of}` are 0 to {}", of.saturating_sub(1));
         }
         Ok((Self { index, of }, source))
@@ -70,8 +71,8 @@ fn of_engine(of: u64, environment: impl Fn(&str) -> Option<String>) -> anyhow::R
     // An array of all shards may begin at any number. One of some of them, as `--missing` prints them, has their own numbers.
     let all = most.is_none_or(|most| most.checked_sub(least) == of.checked_sub(1));
     match task.checked_sub(least).filter(|_| all) {
-        Some(index) => Ok((index, Some(format!("SLURM_ARRAY_TASK_ID={task} of an array that begins at {least}")))),
-        None => Ok((task, Some(format!("SLURM_ARRAY_TASK_ID={task} of an array of some shards")))),
+        Some(index) => Ok((index, Some(format!("SLURM_ARRAY_TASK_ID={task} (an array that begins at {least})")))),
+        None => Ok((task, Some(format!("SLURM_ARRAY_TASK_ID={task} (an array of some of the shards)")))),
     }
 }
 
@@ -99,7 +100,8 @@ mod tests {
         // Shards 1 and 3 again: their own numbers.
         assert_eq!(slurm("1", "1", "3"), Ok(1));
         assert_eq!(slurm("3", "1", "3"), Ok(3));
-        assert!(slurm("4", "2", "4").is_err_and(|error| error.contains("0 to 3")));
+        let beyond = "SLURM_ARRAY_TASK_ID=4 (an array of some of the shards) stands for shard 4: the shards of `--shards 4` are 0 to 3";
+        assert_eq!(slurm("4", "2", "4"), Err(beyond.to_owned()));
         assert!(chosen(4, &[]).is_err_and(|error| error.contains("say which shard")));
         assert!(chosen(4, &[("HQ_TASK_ID", "x")]).is_err());
         assert!(chosen(4, &[("HQ_TASK_ID", "4")]).is_err_and(|error| error.contains("HQ_TASK_ID=4")));
