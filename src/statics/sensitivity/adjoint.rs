@@ -18,7 +18,7 @@ use crate::model::Parameter;
 
 /// Differences of (5) whose error is a larger part of a derivative are left to the direct way, and so is a `μ` that may make it off by more than
 /// the other part.
-const KNOWN: f64 = 1e-8;
+const KNOWN: f64 = 1e-9;
 const BOUND: f64 = 1e-7;
 /// Solutions of (4), the first included.
 const ROUNDS: usize = 3;
@@ -75,24 +75,41 @@ impl Adjoint {
         found
     }
 
+    /// (5), both of its terms as one function of the number: what cancels in their sum is no error of it.
     fn column(&self, study: &mut Study<'_>, one: &Parameter, value: f64) -> Option<Vec<Option<f64>>> {
-        let unit = study.unit(one, value);
-        let sizes: Vec<f64> = study.units.iter().chain(&study.forces).map(|size| SMALL * size / unit).collect();
-        let (center, noise) = (study.center.clone(), study.noise.clone());
+        let (unit, rows) = (study.unit(one, value), study.rows.len());
         let none = vec![0.0; study.levers.len()];
-        let found = derivative(&mut |h| study.along(&none, value, h), &center, FIRST * unit, (&sizes, &noise)).ok()?;
-        if found.kinks.contains(&true) {
-            return None;
-        }
-        let (of_rows, of_forces) = (0..study.rows.len(), study.rows.len()..center.len());
-        let (change, unsure) = (&found.value[of_forces.clone()], &found.error[of_forces]);
-        let mut column = Vec::with_capacity(study.rows.len());
-        for (row, [multipliers, off]) in of_rows.zip(&self.multipliers) {
-            let x = found.value[row] + dot(multipliers, change);
-            let error = found.error[row] + together(multipliers, unsure);
+        let sums = |all: &[f64]| -> Vec<f64> {
+            let of = |(y, [multipliers, _]): (&f64, &[Vec<f64>; 2])| y + dot(multipliers, &all[rows..]);
+            all.iter().zip(&self.multipliers).map(of).collect()
+        };
+        let round_off =
+            |(noise, [multipliers, _]): (&f64, &[Vec<f64>; 2])| noise + together(multipliers, &study.noise[rows..]);
+        let noise: Vec<f64> = study.noise.iter().zip(&self.multipliers).map(round_off).collect();
+        let sizes: Vec<f64> = study.units.iter().map(|size| SMALL * size / unit).collect();
+        let (center, mut after, mut change) = (sums(&study.center), None, None);
+        let mut of = |h: f64| {
+            let all = study.along(&none, value, h)?;
+            match (h > 0.0, &after) {
+                (true, None) => after = Some(all[rows..].to_vec()),
+                // How forces change, as far as what is off in the multipliers asks for it: over the largest distance.
+                (false, Some(after)) if change.is_none() => {
+                    change =
+                        Some(after.iter().zip(&all[rows..]).map(|(a, b)| (a - b) / (-2.0 * h)).collect::<Vec<f64>>());
+                }
+                _ => {}
+            }
+            Ok(sums(&all))
+        };
+        let found = derivative(&mut of, &center, FIRST * unit, (&sizes, &noise)).ok()?;
+        // At the end of what is allowed there is one side only.
+        let change = change.filter(|_| !found.kinks.contains(&true))?;
+        let mut column = Vec::with_capacity(rows);
+        for (row, [_, off]) in self.multipliers.iter().enumerate() {
+            let (x, error) = (found.value[row], found.error[row]);
             let round_off = ZERO * study.units[row] / unit;
             let is_known = |error: f64, part: f64| error <= (part * x.abs()).max(round_off);
-            if !(is_known(error, KNOWN) && is_known(together(off, change), BOUND)) {
+            if !(is_known(error, KNOWN) && is_known(together(off, &change), BOUND)) {
                 return None;
             }
             column.push(Some(if x.abs() <= round_off { 0.0 } else { x }));

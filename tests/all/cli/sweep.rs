@@ -138,10 +138,13 @@ fn all_numbers_go_side_by_side() {
             }
         }
     }
-    let chain = shipped("chain_of_twenty");
-    let short = ["--set", "simulate.duration=0.01", "--set", "simulate.integrator=rk4", "--set", "simulate.step=0.005"];
-    let copies = ["--over", "link.repeat=2,3,4,5", "--json"];
-    let answer = bench.call(&[&["sweep", &chain, "--run"], &short[..], &copies[..]].concat()).code(0);
+    bench.write(
+        "chain.toml",
+        "[simulate]\nstart = \"given\"\nduration = 0.01\nintegrator = \"rk4\"\nstep = 0.005\n\
+         [[body]]\nname = \"b\"\nrepeat = 2\nmass = 1.0\ncenter = [0.05, 0, 0]\n\
+         hinge = { type = \"revolute\", axis = [0, 1, 0], next = [0.1, 0, 0] }\n",
+    );
+    let answer = bench.call(&["sweep", "chain.toml", "--run", "--over", "b.repeat=2,3,4,5", "--json"]).code(0);
     assert_eq!(answer.json()["side_by_side"], 1);
 }
 
