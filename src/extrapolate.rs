@@ -20,6 +20,9 @@ const FINE: f64 = 1e-10;
 const FLOOR: f64 = 8.0;
 /// Where the error is below this part of a derivative's size, and a shorter distance does not halve it, round-off has begun.
 const SETTLED: f64 = 1e-8;
+/// So many shorter distances, one after the other, that do not halve the error of anything: what is left is round-off, however large the
+/// caller takes that to be.
+const STALLS: usize = 2;
 /// (3) stays above this part of itself at a kink; elsewhere it falls with `r`.
 const STAYS: f64 = 0.5;
 /// A kink by less than this part of a derivative's size is round-off.
@@ -45,6 +48,8 @@ struct Tableau {
     best: Derivative,
     /// Whether the last distance has halved the error of a component.
     is_better: bool,
+    /// How many distances have not, one after the other.
+    stalls: usize,
     /// (3) at the first distance, and the least of it at all.
     bends: Option<[Vec<f64>; 2]>,
 }
@@ -52,7 +57,7 @@ struct Tableau {
 impl Tableau {
     fn new(ratio: f64, count: usize) -> Self {
         let best = Derivative { value: vec![0.0; count], error: vec![f64::INFINITY; count], kinks: vec![false; count] };
-        Self { ratio, row: Vec::new(), best, is_better: true, bends: None }
+        Self { ratio, row: Vec::new(), best, is_better: true, stalls: 0, bends: None }
     }
 
     /// Takes the difference at the next distance.
@@ -74,6 +79,8 @@ impl Tableau {
         }
         self.row = row;
         self.is_better = before.iter().zip(&self.best.error).any(|(before, now)| *now < 0.5 * before);
+        // The first distance has no error yet.
+        self.stalls = if self.is_better || self.row.len() < 2 { 0 } else { self.stalls + 1 };
     }
 
     /// Takes (3) at the next distance, less what is round-off there: of kinks it does not fall. `sizes` of derivatives.
@@ -92,6 +99,9 @@ impl Tableau {
 
     /// Whether no distance is better; `floors` are errors that round-off makes over the largest.
     fn is_fine(&self, sizes: &[f64], floors: &[f64]) -> bool {
+        if self.stalls >= STALLS {
+            return true;
+        }
         let size = |i: usize| sizes[i].max(self.best.value[i].abs());
         let part = if self.is_better { FINE } else { SETTLED };
         (0..sizes.len()).all(|i| self.best.error[i] <= (part * size(i)).max(floors[i]))
@@ -165,6 +175,19 @@ mod tests {
             assert!((found.value[0] - k - 0.3).abs() < 1e-10 * k, "{k}: {found:?}");
             assert!(!found.kinks[0]);
         }
+    }
+
+    /// Round-off that is larger than it is said to be ends the differences as soon as it shows.
+    #[test]
+    fn differences_end_when_they_stall() {
+        let mut asked = 0;
+        let rough = |h: f64| (1.0 + h).sqrt() + 1e-9 * (1e7 * h).sin();
+        let mut of = |h: f64| {
+            asked += 1;
+            Ok(vec![rough(h)])
+        };
+        let found = derivative(&mut of, &[1.0], 0.1, (&[1.0], &[1e-16])).expect("a derivative");
+        assert!((found.value[0] - 0.5).abs() < 1e-6 && asked < 14, "{found:?} {asked}");
     }
 
     #[test]

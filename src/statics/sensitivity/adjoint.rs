@@ -18,7 +18,7 @@ use crate::model::Parameter;
 
 /// Differences of (5) whose error is a larger part of a derivative are left to the direct way, and so is a `μ` that may make it off by more than
 /// the other part.
-const KNOWN: f64 = 1e-9;
+const KNOWN: f64 = 1e-8;
 const BOUND: f64 = 1e-7;
 /// Solutions of (4), the first included.
 const ROUNDS: usize = 3;
