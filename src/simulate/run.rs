@@ -2,7 +2,7 @@
 
 mod fine;
 mod instants;
-mod prepared;
+pub(super) mod prepared;
 mod stepper;
 mod steps;
 pub(super) mod together;
