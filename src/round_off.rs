@@ -95,8 +95,8 @@ pub const ON_A_CURVE: RoundOff = RoundOff(1e-12);
 pub const ONE_PLACE: RoundOff = RoundOff(1e-9);
 /// The parameter of a curve in its formulas, as part of itself: rounded, and again in each factor and sum on its way.
 pub const PARAMETER: RoundOff = RoundOff::units(8.0);
-/// Gap of a closed loop, as part of its component's reach: there Newton's method comes to a standstill. Speeds that are projected
-/// onto loops reach it as well, as part of the largest.
+/// Gap of a closed loop, as part of its component's reach, and of a contact that settles: there Newton's method comes to a standstill.
+/// Speeds that are projected onto loops reach it as well, as part of the largest.
 pub const CLOSED: RoundOff = RoundOff(1e-14);
 /// Stiffness at closed positions, as part of its terms: positions are known to this part of the scene's length only.
 pub const CLOSED_STIFFNESS: RoundOff = RoundOff(1e-12);
@@ -124,8 +124,10 @@ pub const FORCE: RoundOff = RoundOff::units(16.0);
 /// A sum of force terms, beside the root of the sum of their squares: that is the error to expect. Of scissors of 3 to 40 stages the
 /// residual was a quarter of this.
 pub const EXPECTED_FORCE: RoundOff = RoundOff::units(4.0);
-/// What supports have to bear, as part of the forces that cancel in it: poses are settled to a dozen digits.
+/// What forces lack to a balance, as part of those that cancel in it: poses are settled to a dozen digits.
 pub const LOAD: RoundOff = RoundOff(1e-12);
+/// What supports have to bear, likewise: of 160 capsules and cylinders that settled in funnels one lacked 3e-12.
+pub const BORNE: RoundOff = RoundOff(1e-11);
 /// Loads of supports beside the largest of them: the conic program cannot tell smaller ones from zero.
 pub const SUPPORT_LOAD: RoundOff = RoundOff(1e-13);
 /// A change of energy, as part of the energies that it is the difference of: sums over all bodies.

@@ -13,10 +13,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString};
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use stillpoint::scenario::{Override, Scenario};
 use stillpoint::spatial::lanes::WIDTH;
+use stillpoint::study::plan::MOST_CASES;
 use stillpoint::study::{Axis, Cases, Cell, Column, Draw, Kind, Plan, Question, Row, Sampling, Variation, pool};
 use stillpoint::suggest::closest;
 
@@ -135,15 +137,25 @@ fn together(
     prepared.into_iter().map(|one| one.map(|one| one.map(&mut run))).collect()
 }
 
+/// A whole number within a range.
+fn whole(name: &str, given: i128, range: RangeInclusive<u64>) -> PyResult<u64> {
+    u64::try_from(given).ok().filter(|number| range.contains(number)).ok_or_else(|| {
+        let (low, high) = range.into_inner();
+        PyValueError::new_err(format!("`{name}` is {given}, allowed: a whole number from {low} to {high}"))
+    })
+}
+
 /// The plan of the arguments of a sweep.
 pub(crate) fn plan(
     over: Option<&Bound<'_, PyDict>>,
     vary: Option<&Bound<'_, PyDict>>,
-    cases: Option<u64>,
-    seed: u64,
+    cases: Option<i128>,
+    seed: i128,
     sample: Option<&str>,
 ) -> PyResult<Plan> {
     let wrong = |message: String| PyValueError::new_err(message);
+    let cases = cases.map(|cases| whole("cases", cases, 1..=MOST_CASES)).transpose()?;
+    let seed = whole("seed", seed, 0..=u64::MAX)?;
     let mut axes = Vec::new();
     for (path, values) in over.iter().flat_map(|over| over.iter()) {
         let path: String = path.extract()?;
@@ -184,9 +196,6 @@ pub(crate) fn plan(
     }
     if varied.is_empty() != cases.is_none() {
         return Err(wrong("`vary` and `cases` belong together".to_owned()));
-    }
-    if cases == Some(0) {
-        return Err(wrong("`cases` is 0, allowed: 1 or more".to_owned()));
     }
     let sampling = match sample {
         None => Sampling::default(),

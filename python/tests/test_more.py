@@ -253,6 +253,13 @@ def test_a_sweep_has_a_row_a_case():
     assert len(drawn["case"]) == 8 and 40 <= min(drawn["mass.stiffness"]) < max(drawn["mass.stiffness"]) <= 60
     with pytest.raises(ValueError, match="did you mean `sobol`"):
         stillpoint.describe(SLIDER).sweep(vary={"mass.stiffness": "uniform(40, 60)"}, cases=8, sample="sobl")
+    vary = {"mass.stiffness": "uniform(40, 60)"}
+    for cases in (-1, 0, 10**10):
+        with pytest.raises(ValueError, match=rf"`cases` is {cases}, allowed: a whole number from 1 to 1000000000"):
+            stillpoint.describe(SLIDER).sweep(vary=vary, cases=cases)
+    for seed in (-1, 2**64):
+        with pytest.raises(ValueError, match=rf"`seed` is {seed}, allowed: a whole number from 0 to 18446744073709551615"):
+            stillpoint.describe(SLIDER).sweep(vary=vary, cases=1, seed=seed)
     with pytest.raises(ValueError, match="mass.stifness|stiffness"):
         stillpoint.describe(SLIDER).sweep({"mass.stifness": [1, 2]})
 

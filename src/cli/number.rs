@@ -3,10 +3,13 @@
 pub(super) use crate::model::problem::counted as count;
 use crate::model::problem::significant;
 use crate::round_off::SHOWN;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Significant digits without `--digits`.
 pub(super) const USUAL_DIGITS: u8 = 4;
+/// No number of a report is shown with more digits to tell it from others of its kind.
+const MOST_DIGITS: usize = 9;
 /// Significant digits of a number in a report, set once by `--digits`.
 static DIGITS: AtomicUsize = AtomicUsize::new(USUAL_DIGITS as usize);
 
@@ -23,6 +26,34 @@ pub(super) fn number(x: f64) -> String {
 /// A number with at least so many significant digits, and with as many as reports show.
 pub(super) fn number_to(x: f64, digits: usize) -> String {
     significant(x, DIGITS.load(Ordering::Relaxed).max(digits))
+}
+
+/// Significant digits that tell numbers apart which are as many values of one thing, at most [`MOST_DIGITS`]: no fewer than reports show.
+pub(super) fn digits_apart(values: &[f64]) -> usize {
+    let shown = |digits: usize| values.iter().map(|x| number_to(*x, digits)).collect::<BTreeSet<_>>().len();
+    let least = DIGITS.load(Ordering::Relaxed);
+    let all = shown(MOST_DIGITS);
+    (least..MOST_DIGITS).find(|digits| shown(*digits) == all).unwrap_or(MOST_DIGITS)
+}
+
+/// The mean of some numbers, and the standard deviation of a sample; that of fewer than two is 0.
+pub(super) fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    [mean, (squares / values.len().saturating_sub(1).max(1) as f64).sqrt()]
+}
+
+/// Names in the order in which people count: `rocket_2` before `rocket_10`.
+pub(super) fn natural(one: &str, other: &str) -> std::cmp::Ordering {
+    let parts = |text: &str| -> Vec<(u128, String)> {
+        let runs = text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit());
+        let part = |run: &[u8]| {
+            let text = String::from_utf8_lossy(run).into_owned();
+            (text.parse().unwrap_or(u128::MAX), text)
+        };
+        runs.map(part).collect()
+    };
+    parts(one).cmp(&parts(other)).then_with(|| one.cmp(other))
 }
 
 /// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
@@ -80,7 +111,23 @@ pub(super) fn times(factor: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{aligned, exact, ordinal};
+    use super::{aligned, digits_apart, exact, mean_and_deviation, natural, ordinal};
+
+    #[test]
+    fn numbers_of_one_thing_are_told_apart() {
+        assert_eq!(digits_apart(&[0.78532, 0.78529, 0.78521]), 5);
+        assert_eq!(digits_apart(&[1.0, 2.0, 2.0]), 4);
+        assert_eq!(digits_apart(&[1.0, 1.0 + 1e-12]), 4);
+        let [mean, deviation] = mean_and_deviation(&[1.0, 2.0, 3.0]);
+        assert!((mean - 2.0).abs() < 1e-15 && (deviation - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn names_are_in_the_order_of_their_numbers() {
+        let mut names = ["rocket_10", "rocket_2", "jack", "rocket_2b", "rocket_02", "2"];
+        names.sort_by(|a, b| natural(a, b));
+        assert_eq!(names, ["2", "jack", "rocket_02", "rocket_2", "rocket_2b", "rocket_10"]);
+    }
 
     #[test]
     fn decimal_points_stand_below_each_other() {

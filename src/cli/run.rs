@@ -52,6 +52,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         let given = moves || scenario.simulate.resume.is_some();
         scenario.simulate.start = if given { Start::Given } else { Start::Equilibrium };
     }
+    if let Some(from) = arguments.start.as_deref().filter(|_| moves && scenario.simulate.resume.is_none())
+        && let Some(problem) = simulate::check_given(&model, &scenario.description).first()
+    {
+        anyhow::bail!("{}: {problem}", from.display());
+    }
     if model.stages.is_some() && (arguments.save_end.is_some() || arguments.start.is_some()) {
         anyhow::bail!(
             "{}: a scene with stages begins at t = 0 and goes to its end: leave out `--start` and `--save-end`",

@@ -7,7 +7,7 @@ use crate::dynamics::System;
 use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
-use crate::simulate::at_stage;
+use crate::simulate::{Start, at_stage};
 use crate::statics::{Balance, answer, balance};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -110,8 +110,11 @@ pub(super) fn load_structure(
                 scenario.name
             );
         }
-        let whole = &scenario.description;
-        scenario.description = at_stage(whole, stage).map_err(|why| anyhow!("{}: {why}", scenario.name))?;
+        let at_rest = at_rest(common, &scenario, &model)?;
+        let found = at_stage(&scenario.description, stage, at_rest.as_deref());
+        let (left, locked) = found.map_err(|why| anyhow!("{}: {why}", scenario.name))?;
+        locked.iter().filter(|_| !common.quiet).for_each(|said| output::note(said));
+        scenario.description = left;
         model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
     }
     start_at(common, start, (scenario, model))
@@ -134,6 +137,22 @@ fn aim_first(common: &Common, scenario: &mut Scenario, model: &Arc<Model>) -> an
     scenario.unknown.clear();
     scenario.aim.clear();
     Ok(())
+}
+
+/// Where a run begins whose stages come from an equilibrium; `None` if it begins in the positions of the file, or they have none.
+fn at_rest(common: &Common, scenario: &Scenario, model: &Arc<Model>) -> anyhow::Result<Option<Vec<f64>>> {
+    if scenario.simulate.start == Start::Given {
+        return Ok(None);
+    }
+    let interrupt = Interrupt::install()?;
+    let go_on = || !interrupt.requested();
+    let (description, sought) = (scenario.description.clone(), scenario.sought());
+    let held = answer(description, Arc::clone(model), sought, &scenario.statics, &scenario.margin, &go_on);
+    let found = held.ok().map(|held| held.found).filter(|found| found.converged);
+    if found.is_none() && !common.quiet {
+        output::note("no equilibrium before the first stage: stages come in the positions of the file");
+    }
+    Ok(found.map(|found| found.position))
 }
 
 /// Puts a scene at the start that a file gives.

@@ -63,6 +63,9 @@ pub(super) struct Arguments {
     /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
     #[arg(long, short = 'o', value_name = "PATH")]
     out: Option<PathBuf>,
+    /// As of `run` and `rest`, which print all of the equilibrium then: here it is always all
+    #[arg(long, short, hide = true)]
+    verbose: bool,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {

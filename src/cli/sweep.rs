@@ -13,6 +13,7 @@ use crate::study::axis::{Axis, OPTION};
 use crate::study::case::VARY;
 #[cfg(feature = "parquet")]
 use crate::study::dataset::Dataset;
+use crate::study::plan::MOST_CASES;
 use crate::study::{Cases, Draw, Plan, Question, Refusal, Row, Sampling, Variation, pool};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow, bail};
@@ -32,23 +33,23 @@ pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
     /// What is varied: `path=from:to:count`, or `path=1,2,5`; given several times, every combination
-    #[arg(long, required_unless_present = "vary", value_name = "PATH=VALUES", value_parser = Axis::parse)]
+    #[arg(long, value_name = "PATH=VALUES", value_parser = Axis::parse)]
     over: Vec<Axis>,
     /// What is drawn: normal(mean,deviation), lognormal(mean,deviation) of the number itself, uniform(low,high) or
     /// triangular(low,mode,high), in absolute values; may be repeated
     #[arg(long, value_name = "PATH=DISTRIBUTION", requires = "cases", value_parser = Variation::parse)]
     vary: Vec<Variation>,
     /// Correlations of what is drawn: a CSV file with a line of paths, and a line of numbers for each of them
-    #[arg(long, value_name = "FILE.csv", requires = "vary")]
+    #[arg(long, value_name = "FILE.csv")]
     correlate: Option<PathBuf>,
     /// How to draw: independent samples, a Latin hypercube, or Sobol points
-    #[arg(long, value_name = "NAME", requires = "vary", value_parser = PossibleValuesParser::new(Sampling::ALL.map(Sampling::name)))]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Sampling::ALL.map(Sampling::name)))]
     sample: Option<String>,
     /// Samples at every point of the grid: the same at each
-    #[arg(long, value_name = "N", requires = "vary", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = samples)]
     cases: Option<u64>,
     /// What the samples follow from; default 0
-    #[arg(long, value_name = "S", requires = "vary")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seed)]
     seed: Option<u64>,
     /// Simulate each case, too; without it the equilibrium is all that is asked
     #[arg(long)]
@@ -114,8 +115,36 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn samples(text: &str) -> Result<u64, String> {
+    let allowed = || format!("allowed: a whole number from 1 to {MOST_CASES}");
+    text.parse().ok().filter(|count| (1..=MOST_CASES).contains(count)).ok_or_else(allowed)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("allowed: a whole number from 0 to {}", u64::MAX))
+}
+
+/// Refuses a call that varies nothing, and what only draws have.
+fn refuse_nothing_varied(arguments: &Arguments) -> anyhow::Result<()> {
+    let Arguments { over, vary, correlate, sample, cases, seed, .. } = arguments;
+    if over.is_empty() && vary.is_empty() {
+        bail!("nothing is varied: give `--over PATH=VALUES` or `--vary PATH=DISTRIBUTION` with `--cases N`");
+    }
+    let of_draws = [
+        ("--cases", cases.is_some()),
+        ("--seed", seed.is_some()),
+        ("--sample", sample.is_some()),
+        ("--correlate", correlate.is_some()),
+    ];
+    match of_draws.into_iter().find(|(_, given)| *given && vary.is_empty()) {
+        Some((name, _)) => bail!("`{name}` is for what is drawn, and nothing is: give `--vary PATH=DISTRIBUTION`, too"),
+        None => Ok(()),
+    }
+}
+
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
+    refuse_nothing_varied(arguments)?;
     let set: Vec<Override> = common.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
     // The file is read once: it may be standard input.
     let scenario = match load_with(&common.scenario, &set) {

@@ -6,7 +6,8 @@ pub(super) use super::number::{aligned, count, number, small, times, without_noi
 use super::output::{bold, verdict};
 use crate::constraint::Assembly;
 use crate::contact::support;
-use crate::model::{Body, Model, Output};
+use crate::model::{Body, Model, Output, Stop};
+use crate::round_off::ON_A_LIMIT;
 use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
 pub(super) use ended::{across, doubt, run, verified, wound};
 use std::fmt::Write;
@@ -67,7 +68,7 @@ fn numbers(list: impl Iterator<Item = f64>) -> String {
 }
 
 /// The verdict of statics, how it was found, and how long that took.
-fn found_by(found: &Equilibrium, wall: Duration) -> String {
+fn found_by(model: &Model, found: &Equilibrium, wall: Duration) -> String {
     let (text, fine) = match (&found.stability, found.balanced) {
         (Some(stability), true) if !found.converged && !found.aimed.is_empty() => {
             (format!("aim missed, {} equilibrium", stability.verdict.name()), false)
@@ -81,6 +82,9 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
         _ => ("no equilibrium found".to_owned(), false),
     };
     let stage = match found.stage {
+        "start" if found.balanced && is_beyond(model) => {
+            "the guess is one at its limits, which it was beyond".to_owned()
+        }
         "start" if found.balanced => "the guess is one already".to_owned(),
         "start" => "no search".to_owned(),
         "inverse" | "given" => "of the given pose".to_owned(),
@@ -91,6 +95,15 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
         stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
     format!("{} ({stage}, {})", verdict(&text, fine), duration(wall))
+}
+
+/// Whether the guess is beyond rigid limits: statics moves it to them.
+fn is_beyond(model: &Model) -> bool {
+    let is_passed = |stop: &Stop| {
+        let value = model.start_position[stop.position];
+        stop.passed(value, ON_A_LIMIT.of(value.abs().max(1.0))).is_some()
+    };
+    model.stops.iter().any(|stop| stop.is_rigid() && is_passed(stop))
 }
 
 /// What proves the equilibrium: the residual relative to the forces that cancel, and where it is largest.
@@ -111,8 +124,11 @@ pub(super) fn equilibrium(model: &Model, found: &Equilibrium, wall: Duration, ve
     let Some(stability) = found.stability.as_ref().filter(|_| found.converged && !verbose) else {
         return statics(model, found, wall);
     };
-    let mut out =
-        format!("{}: residual {} of the forces that cancel", found_by(found, wall), small(found.relative_residual));
+    let mut out = format!(
+        "{}: residual {} of the forces that cancel",
+        found_by(model, found, wall),
+        small(found.relative_residual)
+    );
     if found.standing.as_ref().is_some_and(|standing| standing.verdict == support::Verdict::Stands) {
         out += ", stands";
     }
@@ -133,7 +149,7 @@ pub(super) fn equilibrium(model: &Model, found: &Equilibrium, wall: Duration, ve
 /// The certificate of statics.
 pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> String {
     let mut out = String::new();
-    let _ = writeln!(out, "{}", found_by(found, wall));
+    let _ = writeln!(out, "{}", found_by(model, found, wall));
     let _ = writeln!(out, "  residual     {}", residual(model, found));
     if let Some(standing) = &found.standing {
         out += &super::standing::text(model, standing, found.converged);

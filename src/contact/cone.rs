@@ -193,6 +193,8 @@ impl Problem {
                 attempt = 3 * sweeps;
                 if let Some(found) = self.polished(&forces, &states) {
                     (forces, change) = (found, 0.0);
+                } else if let Some(found) = self.newton(&forces, &states) {
+                    ((forces, states), change) = (found, 0.0);
                 }
             }
         }

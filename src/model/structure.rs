@@ -13,6 +13,7 @@ use super::description::{Description, HingeDescription, HingeKind, WatchedDescri
 use super::output::{Output, QuantityDescription};
 use super::problem::{Element, Problem};
 use super::stage::{StageDescription, Verb, When};
+use crate::hinge::DECLARED;
 use crate::spatial::Pose;
 use crate::suggest;
 use nalgebra::UnitQuaternion;
@@ -93,6 +94,9 @@ pub struct Contradiction {
     pub why: String,
 }
 
+/// What is wrong with a change of a hinge that is there no more.
+const HAS_OPENED: &str = "has opened before";
+
 impl Structure {
     /// Before the first stage: what is opened or released first is closed, what is closed or locked first is open.
     pub fn first(description: &Description) -> Self {
@@ -130,7 +134,7 @@ impl Structure {
     fn change(&mut self, meant: Verb, part: Part) -> Option<&'static str> {
         match (meant, part) {
             (Verb::Open | Verb::Lock | Verb::Release, Part::Hinge(body)) if self.freed.contains_key(&body) => {
-                Some("has opened before")
+                Some(HAS_OPENED)
             }
             (Verb::Open, Part::Hinge(body)) => {
                 self.locked.remove(&body);
@@ -438,7 +442,15 @@ fn wrong_name(description: &Description, verb: Verb, name: &str) -> Option<(Stri
     let (all, plain) = (kind.counts().0, kind.plain_coordinates());
     match verb {
         Verb::Close => {
-            let help = "let the body be free at first, and close a `[[loop]]` of this type".to_owned();
+            let closes = DECLARED.iter().any(|one| one.name == kind.name() && one.closes.is_some());
+            let help = match closes {
+                true => "let the body be free at first, and close a `[[loop]]` of this type".to_owned(),
+                false => format!(
+                    "no `[[loop]]` is of the type `{}`: let the hinge be closed from the beginning, and `lock` what it leaves free, or close a \
+                     `[[loop]]` of another type",
+                    kind.name()
+                ),
+            };
             Some((format!("the hinge of `{name}` cannot close"), Some(help)))
         }
         Verb::Lock | Verb::Release if all == 0 || plain < all => {

@@ -2,12 +2,13 @@
 
 use super::findings::Finding;
 use super::reader::{Reader, Value, number};
+use super::spans::{self, SpanTable};
 use crate::hinge::HingeKind;
 use crate::mesh::Mesh;
-use crate::model::StopLaw;
 use crate::model::contact::fits;
 use crate::model::description::{BodyDescription, ContactDescription, Description, DryFriction};
 use crate::model::shape::{Geometry, Hull};
+use crate::model::{Element, Problem, StopLaw};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -96,17 +97,22 @@ pub(super) fn check_neighbours(scenario: &Reader<'_>, description: &Description)
 }
 
 /// Finds the convex parts of the meshes that may touch, with `[[contact]]`s alone: files are read for it.
-pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description) {
+pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description, spans: &SpanTable<'_>) {
     let tables = scenario.tables("contact");
     let Description { bodies, contacts, .. } = description;
-    for body in bodies {
+    let mut unreadable = Vec::new();
+    for (index, body) in bodies.iter_mut().enumerate() {
         let names = |contact: &ContactDescription| contact.between.iter().any(|side| fits(side, &body.name));
         let Some(at) = contacts.iter().position(names) else { continue };
-        for shape in body.shapes.iter_mut().filter(|shape| shape.collides) {
+        for (k, shape) in body.shapes.iter_mut().enumerate().filter(|(_, shape)| shape.collides) {
             let Geometry::Mesh { file, scale, hull, parts } = &mut shape.geometry else { continue };
             match parts_of(file, *scale, *hull) {
                 Ok(found) => *parts = found,
-                Err(why) => {
+                Err(NoParts::File(why)) => {
+                    let message = format!("body `{}` cannot touch: {why}", body.name);
+                    unreadable.push(of_mesh(spans, (index, k), message, &contacts[at].name));
+                }
+                Err(NoParts::Shape(why)) => {
                     let message = format!("the mesh `{}` of body `{}` cannot touch: {why}", file.display(), body.name);
                     let help =
                         "`hull = true` beside `mesh` lets its convex hull touch; `contact = false` nothing of it";
@@ -116,18 +122,44 @@ pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description) {
             }
         }
     }
+    spans::report(spans, unreadable, scenario.findings);
+}
+
+/// What is wrong with the file of the `k`-th shape of a body.
+fn of_mesh(spans: &SpanTable<'_>, (body, k): (usize, usize), message: String, contact: &str) -> Problem {
+    let help = format!(
+        "contact `{contact}` needs the file, which is looked for from the folder of the scenario; `contact = false` beside `mesh` lets nothing of \
+         it touch"
+    );
+    let of_list = format!("shape[{k}].mesh");
+    let mut problem =
+        Problem { element: Element::Body(body), field: "shape.mesh".to_owned(), message, help: Some(help) };
+    // One shape stands alone or in a list: the deepest place is that of its file.
+    let listed = spans::locate(spans, &Problem { field: of_list.clone(), ..problem.clone() });
+    if spans::locate(spans, &problem).map(|span| span.len()) > listed.map(|span| span.len()) {
+        problem.field = of_list;
+    }
+    problem
+}
+
+/// Why a mesh has no convex parts.
+enum NoParts {
+    /// Its file cannot be read.
+    File(String),
+    /// It is no solid that is convex part by part.
+    Shape(String),
 }
 
 #[cfg(feature = "import")]
-fn parts_of(file: &Path, scale: Vector3<f64>, hull: bool) -> Result<Vec<Hull>, String> {
-    let mesh = Mesh::read(file).map_err(|error| error.to_string())?;
-    let parts = mesh.convex_parts(scale, hull).map_err(|error| error.to_string())?;
+fn parts_of(file: &Path, scale: Vector3<f64>, hull: bool) -> Result<Vec<Hull>, NoParts> {
+    let mesh = Mesh::read(file).map_err(|error| NoParts::File(error.to_string()))?;
+    let parts = mesh.convex_parts(scale, hull).map_err(|error| NoParts::Shape(error.to_string()))?;
     Ok(parts.into_iter().map(|(corners, triangles)| Hull { corners, triangles }).collect())
 }
 
 #[cfg(not(feature = "import"))]
-fn parts_of(file: &Path, _: Vector3<f64>, _: bool) -> Result<Vec<Hull>, String> {
-    Mesh::read(file).map(|_| Vec::new()).map_err(|error| error.to_string())
+fn parts_of(file: &Path, _: Vector3<f64>, _: bool) -> Result<Vec<Hull>, NoParts> {
+    Mesh::read(file).map(|_| Vec::new()).map_err(|error| NoParts::File(error.to_string()))
 }
 
 /// One number, or one at rest and one in motion.

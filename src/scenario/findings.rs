@@ -33,6 +33,11 @@ impl Finding {
         Self { span: None, ..Self::error(0..0, message) }
     }
 
+    /// First and last byte.
+    fn place(&self) -> Option<(usize, usize)> {
+        self.span.as_ref().map(|span| (span.start, span.end))
+    }
+
     /// Points at a part of the text that the value is.
     pub(super) fn within(mut self, part: Range<usize>) -> Self {
         // Files are far smaller than 4 GB.
@@ -98,6 +103,10 @@ impl Findings {
     /// With lines and columns, in the order of the file.
     pub(super) fn into_diagnostics(self, sources: &Sources<'_>) -> Vec<Diagnostic> {
         let mut list = self.list.into_inner();
+        // What an error says of a place needs no warning besides.
+        let is_error = |finding: &&Finding| finding.severity == Severity::Error;
+        let wrong: BTreeSet<_> = list.iter().filter(is_error).filter_map(Finding::place).collect();
+        list.retain(|finding| is_error(&finding) || finding.place().is_none_or(|place| !wrong.contains(&place)));
         list.sort_by_key(|finding| finding.span.as_ref().map(|span| span.start));
         let resolve = |finding: Finding| Diagnostic {
             severity: finding.severity,

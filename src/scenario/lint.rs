@@ -5,6 +5,7 @@
 
 mod angles;
 mod beams;
+mod distances;
 mod gravity;
 mod lengths;
 mod sliders;
@@ -15,7 +16,7 @@ use super::hinge::kind;
 use super::quantities::Numbers;
 use super::reader::Reader;
 use crate::hinge::HingeKind;
-use crate::model::Description;
+use crate::model::{Description, Model};
 use lengths::Lengths;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -45,16 +46,24 @@ struct Scene<'a> {
 }
 
 /// Judges the numbers of a scene.
-pub(super) fn check(document: &DeTable<'_>, description: &Description, numbers: &Numbers, findings: &Findings) {
+///
+/// `model` is that of the description, with its loops closed; `None` if something is wrong besides.
+pub(super) fn check(
+    document: &DeTable<'_>,
+    (description, model): (&Description, Option<&Model>),
+    numbers: &Numbers,
+    findings: &Findings,
+) {
     // What is wrong besides may be why a number looks strange.
     let scene = Scene { document, description, numbers, findings, told: RefCell::default() };
     gravity::check(&scene);
     angles::check(&scene);
     let lengths = Lengths::new(&scene);
-    springs::check(&scene, &lengths);
+    springs::check(&scene, &lengths, model);
     lengths::check(&scene, &lengths);
     beams::check(&scene);
     sliders::check(&scene);
+    distances::check(&scene);
     check_stages(&scene);
 }
 

@@ -82,7 +82,7 @@ pub(super) fn lower<'a>(
     each(&scenario, "controller", &mut description.controllers, &mut spans.controllers, |table, index| {
         controller(table, index, &parameters)
     });
-    find_parts(&scenario, &mut description);
+    find_parts(&scenario, &mut description, &spans);
     (description, spans)
 }
 

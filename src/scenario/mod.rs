@@ -218,7 +218,9 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
         let (mut description, spans) = checked(document, folder(name), findings);
         description.named = named(numbers, (name, text, overrides));
         let built = report(document, &description, &spans, findings);
-        lint::check(document, &description, numbers, findings);
+        check_start(document, &description, (&built, &spans), findings);
+        let model = built.0.as_ref().map(|(model, _)| &**model);
+        lint::check(document, (&description, model), numbers, findings);
         Scenario { built, ..read(name, document, description, models, numbers, findings) }
     })
 }
@@ -256,6 +258,19 @@ fn document<T>(
     let document = numbers.put_into(document);
     let found = then(&document, &models, &numbers, &findings);
     (Some(found), findings.into_diagnostics(&sources))
+}
+
+/// A run that begins at the pose as given, whatever that is, begins within its rigid limits.
+fn check_start(
+    document: &DeTable<'_>,
+    description: &Description,
+    (built, spans): (&Built, &SpanTable<'_>),
+    findings: &Findings,
+) {
+    let start = settings::simulate(&Reader::new(document, 0..0, findings)).start;
+    if let Some((model, _)) = built.0.as_ref().filter(|_| start == simulate::Start::Given) {
+        spans::report(spans, simulate::check_given(model, description), findings);
+    }
 }
 
 fn folder(name: &str) -> &Path {

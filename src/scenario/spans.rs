@@ -2,7 +2,7 @@
 
 use super::findings::{Finding, Findings};
 use crate::model::problem::{Element, Problem};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -108,11 +108,47 @@ impl<'a> SpanTable<'a> {
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }
 
+    /// Names of elements that are written and could not be read.
+    fn unread(&self) -> BTreeSet<&'a str> {
+        let beams = |list: &str| self.beams.iter().filter(|(of, _)| *of == list).map(|(_, index)| *index).collect();
+        let lists: [(&str, &[usize]); 11] = [
+            ("force", &self.forces),
+            ("loop", &self.loops),
+            ("drive", &self.drives),
+            ("gear", &self.gears),
+            ("motor", &self.motors),
+            ("contact", &self.contacts),
+            ("output", &self.outputs),
+            ("event", &self.events),
+            ("controller", &self.controllers),
+            ("stage", &self.stages),
+            ("cable", &self.cables),
+        ];
+        let of_list = |(list, read): (&str, &[usize])| {
+            let tables = self.document.get(list).and_then(|list| list.get_ref().as_array());
+            let is_unread = |(index, table): (usize, &'a Spanned<DeValue<'a>>)| {
+                let name = table.get_ref().as_table()?.get("name")?.get_ref().as_str()?;
+                (!read.contains(&index)).then_some(name)
+            };
+            tables.into_iter().flatten().enumerate().filter_map(is_unread).collect::<Vec<_>>()
+        };
+        let read: Vec<usize> = beams("beam");
+        lists.into_iter().chain([("beam", &read[..])]).flat_map(of_list).collect()
+    }
+
     fn copy(&self, element: Element) -> Option<usize> {
         match element {
             Element::Body(body) => self.bodies.get(body)?.copy,
             _ => None,
         }
+    }
+}
+
+impl<'a> SpanTable<'a> {
+    /// What is written in a problem's field, if that is a text.
+    fn text(&self, problem: &Problem) -> Option<&'a str> {
+        let table = self.element(problem.element)?.get_ref().as_table()?;
+        walk(table, &problem.field)?.get_ref().as_str()
     }
 }
 
@@ -192,12 +228,16 @@ fn of_copy<'a>(
 }
 
 /// Adds the problems that the model finds, each at its place, and each once for all copies of a repeat. What lies in a
-/// value that could not be read is left out: the reader has said what is wrong there.
+/// value that could not be read, or names an element that could not be, is left out: the reader has said what is wrong there.
 pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &Findings) {
     let mut said: HashMap<(Option<Range<usize>>, String), usize> = HashMap::new();
     let mut kept: Vec<(Option<Range<usize>>, Problem, usize)> = Vec::new();
+    let unread = if problems.is_empty() { BTreeSet::new() } else { spans.unread() };
     for problem in problems {
         if spans.nameless && is_reference(&problem.field) {
+            continue;
+        }
+        if problem.field != "name" && spans.text(&problem).is_some_and(|text| names_one_of(&unread, text)) {
             continue;
         }
         let span = locate(spans, &problem);
@@ -225,6 +265,11 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
         };
         findings.push(finding.maybe_help(problem.help));
     }
+}
+
+/// Whether a text is one of these names, or a part of what has it.
+fn names_one_of(names: &BTreeSet<&str>, text: &str) -> bool {
+    names.contains(text) || names.contains(text.split(['.', '[']).next().unwrap_or_default())
 }
 
 /// Whether a field names another body.

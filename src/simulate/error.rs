@@ -104,8 +104,9 @@ pub enum RunError {
     },
     /// A body at the end of its curve.
     #[error(
-        "at t = {} s `{hinge}` leaves its curve at its end, an arc length of {} m, with {} m/s; give the hinge `limits`, \
-         make the curve longer, or end the run there by an `[[event]]` with `action = \"stop\"`", number(*.time), number(*.at), number(*.speed)
+        "at t = {} s `{hinge}` leaves its curve at its end, an arc length of {} m, with {} m/s; let it go there by a `[[stage]]` with \
+         `open = [\"{hinge}\"]` and an `[[event]]` of this hinge at the end; or give the hinge `limits`, make the curve longer, or end the \
+         run by an event with `action = \"stop\"`", number(*.time), number(*.at), number(*.speed)
     )]
     Leaves {
         /// (s)

@@ -117,6 +117,8 @@ pub(super) struct Events {
     /// Absolute tolerance of the run.
     tolerance: f64,
     pub(super) happened: Vec<Occurrence>,
+    /// Events at which the run would end, too, where it does.
+    pub(super) together: Vec<usize>,
     state: State,
     /// Accelerations at the state, and how far what is held is within its range, see [`Equations::press`]; once they are known.
     pressed: bool,
@@ -157,6 +159,7 @@ impl Events {
             jumps,
             tolerance,
             happened: Vec::new(),
+            together: Vec::new(),
             accelerations: vec![0.0; state.velocity.len()],
             state,
             pressed: false,
@@ -384,6 +387,9 @@ impl Events {
             transition = Transition::Chatter(motor);
         }
         self.cross(motion, stepper, until, index)?;
+        if let Transition::Stop(_) = transition {
+            until = self.cross_at_once(motion, stepper, [interval[0], until])?;
+        }
         Ok(Some(Hit { time: until, transition }))
     }
 

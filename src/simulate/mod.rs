@@ -46,6 +46,7 @@ pub use entry::{run, run_controlled, scene};
 pub use error::RunError;
 pub use resting::check;
 pub use run::Summary;
+pub use run::prepared::check_given;
 pub use run::together::{covers as runs_together, run_together};
 pub use samples::outputs;
 pub use settings::{Grid, Integrator, Resume, Settings, Start, TOLERANCES};

@@ -2,7 +2,7 @@
 
 mod fine;
 mod instants;
-mod prepared;
+pub(super) mod prepared;
 mod stepper;
 mod steps;
 pub(super) mod together;
@@ -55,6 +55,8 @@ pub struct Summary {
     pub events: Vec<Occurrence>,
     /// The event that ended the run.
     pub stopped_by: Option<String>,
+    /// Events at the same instant at which it would have ended, too.
+    pub stopped_with: Vec<String>,
     /// The methods that were used, in order.
     pub integrators: Vec<Method>,
     /// Why the method is what it is, where it was chosen.
@@ -180,6 +182,7 @@ struct Run<'m, 'f> {
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
+    stopped_with: Vec<String>,
     timetable: Timetable,
     /// `None` if nothing sets inputs.
     control: Option<Control<'f>>,
@@ -243,6 +246,7 @@ impl<'m, 'f> Run<'m, 'f> {
             ),
             happened: Vec::new(),
             stopped_by: None,
+            stopped_with: Vec::new(),
             timetable: Timetable::new(model, [begin, end], search.stride),
             control: Control::new(model, begin, function),
             carried: None,
@@ -299,6 +303,7 @@ impl Run<'_, '_> {
             interrupted: end_time < self.end && self.stopped_by.is_none(),
             events: self.happened,
             stopped_by: self.stopped_by,
+            stopped_with: self.stopped_with,
             integrators: self.integrators,
             choice: self.choice,
             statistics: self.statistics,

@@ -28,7 +28,7 @@ use crate::dynamics::{Energies, Fault, System};
 use crate::model::description::{Description, StageDescription, When};
 use crate::model::problem::{in_one_line, number, significant};
 use crate::model::structure::Structure;
-use crate::model::{Model, Problem};
+use crate::model::{Model, Problem, Watched};
 use crate::record::{Event, Recorder};
 use crate::round_off::{ENERGY, TIME, has_come};
 use crate::simulate::asked::Asked;
@@ -63,11 +63,16 @@ pub(super) fn refuse(_: &Description, settings: &Settings, has_function: bool) -
     Ok(())
 }
 
-/// The scene that a stage leaves, as it stands in the positions given, with the stages of the file before it.
+/// The scene that a stage leaves, with the stages of the file before it; and what is locked in it, in words. Each stage comes in the positions
+/// of the last one, the first in these or, if there are none, in those of the file; a coordinate whose event a stage waits for is where that is.
 ///
 /// # Errors
 /// What is wrong with the scene on the way there, or that there is no such stage.
-pub fn at_stage(whole: &Description, name: &str) -> Result<Description, String> {
+pub fn at_stage(
+    whole: &Description,
+    name: &str,
+    position: Option<&[f64]>,
+) -> Result<(Description, Vec<String>), String> {
     let Some(last) = whole.stages.iter().position(|stage| stage.name == name) else {
         let near = suggest::closest(name, whole.stages.iter().map(|stage| stage.name.as_str()));
         return Err(format!(
@@ -84,21 +89,47 @@ pub fn at_stage(whole: &Description, name: &str) -> Result<Description, String> 
         scene
     };
     let listed = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    let mut model = Model::build(&describe(&structure, &rates)).map_err(listed)?;
+    let mut at = position.map_or_else(|| model.start_position.clone(), <[f64]>::to_vec);
+    let mut locked = Vec::new();
     for stage in 0..=last {
-        let model = Model::build(&describe(&structure, &rates)).map_err(listed)?;
-        let now = Now::new(&model, 0.0, &model.start_position, &model.start_velocity);
+        let velocity = model.start_velocity.clone();
         if stage == 0 {
-            structure.frames = now.frames(whole, &structure);
+            structure.frames = Now::new(&model, 0.0, &at, &velocity).frames(whole, &structure);
         }
+        let awaited = awaited(whole, &model, stage);
+        awaited.iter().for_each(|(index, value)| at[*index] = *value);
+        let now = Now::new(&model, 0.0, &at, &velocity);
         let before = structure.clone();
         structure.apply(whole, stage).map_err(|wrong| wrong.why)?;
         now.fill(whole, &before, &mut structure);
-        for body in structure.freed.keys().filter(|body| !before.freed.contains_key(body)) {
+        locked.retain(|(body, _): &(usize, String)| structure.locked.contains_key(body));
+        for (body, held) in structure.locked.iter().filter(|(body, _)| !before.locked.contains_key(*body)) {
+            let values: Vec<String> = held.iter().flatten().map(|value| number(*value)).collect();
+            let (body_name, by) = (&whole.bodies[*body].name, &whole.stages[stage].name);
+            locked.push((*body, format!("stage `{by}` locks `{body_name}` at {}", values.join(", "))));
+        }
+        let fresh: Vec<usize> =
+            structure.freed.keys().filter(|body| !before.freed.contains_key(body)).copied().collect();
+        for body in &fresh {
             let [linear, angular] = &now.velocities[*body];
             rates.insert(*body, relay::free_rates(&now.poses[*body], linear, angular));
         }
+        let next = Model::build(&describe(&structure, &rates)).map_err(listed)?;
+        at = carried(&now, &velocity, &next, &fresh).position;
+        model = next;
     }
-    Ok(describe(&structure, &rates))
+    Ok((describe(&structure, &rates), locked.into_iter().map(|(_, said)| said).collect()))
+}
+
+/// The position of a hinge that an event watches for which a stage waits: its place among the coordinates, and its value there.
+fn awaited(whole: &Description, model: &Model, stage: usize) -> Option<(usize, f64)> {
+    let When::Event(name) = &whole.stages[stage].when else { return None };
+    let event = model.events.iter().find(|event| event.name == *name)?;
+    match event.of {
+        Watched::Position(index) => Some((index, event.value)),
+        Watched::Point(..) | Watched::Output(_) => None,
+    }
 }
 
 /// Bodies at an instant, of one structure.
@@ -213,11 +244,11 @@ impl Staged<'_> {
         times.fold(end, f64::min)
     }
 
-    /// The stages that come now, `event` being what ended the run so far.
-    fn due(&self, event: Option<&str>) -> Vec<usize> {
+    /// The stages that come now, `events` being what ended the run so far.
+    fn due(&self, events: &[String]) -> Vec<usize> {
         let is_due = |when: &When| match when {
             When::Time(time) => has_come(*time, self.time),
-            When::Event(name) => event == Some(name),
+            When::Event(name) => events.contains(name),
         };
         self.pending().filter(|(_, stage)| is_due(&stage.when)).map(|(index, _)| index).collect()
     }
@@ -354,11 +385,11 @@ pub(super) fn run(
         outputs: Vec::new(),
         told: Vec::new(),
     };
-    let end = settings.begin() + settings.duration;
+    let mut end = settings.begin() + settings.duration;
     let mut total: Option<Summary> = None;
-    let mut event: Option<String> = None;
+    let (mut events, mut stopped_by): (Vec<String>, Option<String>) = (Vec::new(), None);
     loop {
-        for stage in staged.due(event.as_deref()) {
+        for stage in staged.due(&events) {
             staged.change(stage, settings.gap, recorder)?;
         }
         let until = staged.next(end);
@@ -374,15 +405,17 @@ pub(super) fn run(
         staged.state.clone_from(&summary.state);
         staged.outputs.clone_from(&summary.outputs);
         staged.booked = Some(Booked::of(&summary));
-        event.clone_from(&summary.stopped_by);
-        let goes_on = match &event {
-            Some(name) => !staged.due(Some(name)).is_empty(),
-            // What comes at the end of the run comes.
-            None => !summary.interrupted && (summary.end_time < TIME.below(end) || !staged.due(None).is_empty()),
-        };
-        if !goes_on {
+        events = summary.stopped_by.iter().chain(&summary.stopped_with).cloned().collect();
+        let ends = |name: &&String| whole.events.iter().any(|event| event.name == **name && event.stops);
+        if let Some(name) = events.iter().find(ends) {
+            // What comes at this instant comes, and nothing after it.
+            (stopped_by, end) = (Some(name.clone()), staged.time);
+        }
+        let is_over = summary.interrupted || summary.end_time >= TIME.below(end);
+        if staged.due(&events).is_empty() && (is_over || !events.is_empty()) || summary.interrupted {
             let pending = staged.pending().map(|(_, stage)| (stage.name.clone(), stage.when.clone())).collect();
-            return Ok(Summary { told: staged.told, pending, ..summary });
+            let stopped_by = stopped_by.or(summary.stopped_by);
+            return Ok(Summary { told: staged.told, pending, stopped_by, ..summary });
         }
         total = Some(Summary { stopped_by: None, ..summary });
     }

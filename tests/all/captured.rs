@@ -4,6 +4,7 @@ use crate::common::Random;
 use crate::contact_in_motion::{FLOOR, go, read};
 use stillpoint::integrate::Method;
 use stillpoint::simulate::Summary;
+use stillpoint::simulate::events::Kind;
 
 /// A slider whose foot glides along the floor without friction: captured steps follow its hinge's dry friction.
 fn glides(hinge: &str) -> String {
@@ -115,5 +116,18 @@ fn compliant_stops_push_in_captured_steps_as_they_do_between_events() {
         let energy = 0.5 * speed * speed;
         let taken = [exact.dissipated, captured.dissipated];
         assert!((taken[0] - taken[1]).abs() < 2e-3 * energy, "case {case}: {taken:?} of {energy} J: {hinge}");
+    }
+}
+
+/// A compliant stop that is touched in the first captured step is told, as it is by events: what is foreseen of forces there does not touch it.
+#[test]
+fn a_stop_that_is_touched_at_once_is_told() {
+    for gap in [1e-9, 1e-7, 1e-6, 1e-5] {
+        let hinge = format!("velocity = 1.0, limits = [{{ high = {gap:?}, stiffness = 500.0 }}]");
+        for scene in [flies(&hinge), glides(&hinge)] {
+            let found = go(&read(&scene), 0.05, 1e-8, Method::Dop853);
+            let told = found.events.iter().filter(|one| one.kind == Kind::Contact).count();
+            assert_eq!(told, 1, "{gap}, {} captured steps: {:?}", found.capture_steps, found.events);
+        }
     }
 }

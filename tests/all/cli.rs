@@ -39,6 +39,7 @@ mod start;
 #[cfg(feature = "parquet")]
 mod studies;
 mod sweep;
+mod told;
 mod truths;
 mod walkers;
 mod wobbling;

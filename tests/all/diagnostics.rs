@@ -894,3 +894,89 @@ fn constants_in_texts_are_explained() {
     let plain = said(&at("\"pi/2\""), &[]);
     assert!(plain.contains("write 1.5707963267948966"), "{plain}");
 }
+
+/// A run that begins as given begins within its rigid limits: what does not is said where the position is written, of a body, of a copy, and of
+/// what a drive puts there; of compliant stops, and of a guess that statics moves, nothing.
+#[test]
+fn a_start_beyond_a_rigid_limit_is_told_at_its_position() {
+    let scene = |start: &str, hinge: &str| {
+        format!(
+            "[simulate]\nstart = \"{start}\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], {hinge} }}\n"
+        )
+    };
+    insta::assert_snapshot!(said(&scene("given", "position = 2.0, limits = [-1.0, 1.0]"), &[]), @r#"
+    error: the hinge of `b` starts at 2, beyond its limits -1 to 1
+     --> scene.toml:7:59
+      |
+    7 | hinge = { type = "revolute", axis = [0, 1, 0], position = 2.0, limits = [-1.0, 1.0] }
+      |                                                           ^^^
+      |
+      = help: rigid limits are walls: begin the run within them, widen `limits`, or give the stop a `stiffness`
+
+    scene.toml: 1 error
+    "#);
+    let copies = scene("given", "position = [0.1, 3.0], limits = [-1.0, 1.0]").replace("mass =", "repeat = 2\nmass =");
+    let of_copy = said(&copies, &[]);
+    assert!(of_copy.contains("`b[1]` starts at 3") && of_copy.contains("scene.toml:8:65"), "{of_copy}");
+    let two = "[simulate]\nstart = \"given\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+               hinge = { type = \"cylindrical\", axis = [0, 1, 0], position = [0.0, 3.0], limits = { coordinate = 1, low = -1, high = 1 } }\n";
+    let of_second = said(two, &[]);
+    assert!(of_second.contains("`b` starts at 3") && of_second.contains("scene.toml:7:68"), "{of_second}");
+    let drive = "[[drive]]\nhinge = \"b\"\ntype = \"sine\"\noffset = 2.0\namplitude = 0.1\nfrequency = 1.0\n";
+    let driven = said(&(scene("given", "limits = [-1.0, 1.0]") + drive), &[]);
+    assert!(driven.contains("`b` starts at 2"), "{driven}");
+    let compliant = "position = 2.0, limits = { low = -1.0, high = 1.0, stiffness = 100.0 }";
+    assert_eq!(said(&scene("given", compliant), &[]), "nothing");
+    assert_eq!(said(&scene("equilibrium", "position = 2.0, limits = [-1.0, 1.0]"), &[]), "nothing");
+}
+
+/// A mesh that touches and is not there is said once, where it is named.
+#[test]
+fn a_missing_mesh_that_touches_is_told_once() {
+    let scene = |shape: &str| {
+        format!(
+            "[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"b\"\nmass = 1.0\n\
+             inertia = [0.1, 0.1, 0.1]\nshape = {shape}\nhinge = {{ type = \"free\" }}\n[[contact]]\nbetween = [\"b\", \"floor\"]\n"
+        )
+    };
+    for (shape, column) in [
+        ("{ mesh = \"gone.stl\" }", 18),
+        ("[{ mesh = \"gone.stl\" }]", 19),
+        ("[{ sphere = 0.1 }, { mesh = \"gone.stl\" }]", 37),
+    ] {
+        let text = said(&scene(shape), &[]);
+        assert_eq!(text.matches("gone.stl`").count(), 1, "{text}");
+        assert!(text.contains(&format!("scene.toml:9:{column}")) && text.contains("contact[0]"), "{text}");
+        assert!(!text.contains("hull") && text.contains("1 error") && !text.contains("warning"), "{text}");
+    }
+}
+
+/// An element that cannot be read is not missed by those that name it.
+#[test]
+fn what_names_a_broken_element_is_not_told() {
+    let body = "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n";
+    let stage = "[[stage]]\nname = \"s\"\nwhen = { time = 0.1 }\nopen = [\"d\"]\n";
+    let drive = |keys: &str| format!("{body}[[drive]]\nname = \"d\"\nhinge = \"b\"\ntype = \"ramp\"\n{keys}{stage}");
+    assert_eq!(said(&drive("to = 1.0\nduration = 1.0\n"), &[]), "nothing");
+    let broken = said(&drive("to = 1.0\n"), &[]);
+    assert!(broken.contains("`duration` is missing") && broken.contains("1 error"), "{broken}");
+    let output =
+        "[[output]]\nname = \"o\"\ntype = \"distance\"\n[[event]]\nname = \"e\"\noutput = \"o\"\nvalue = 1.0\n";
+    let broken = said(&format!("{body}{output}"), &[]);
+    assert!(broken.contains("two points are given by") && broken.contains("1 error"), "{broken}");
+    // What is there under no name is.
+    let other = said(&(body.to_owned() + stage), &[]);
+    assert!(other.contains("there is no hinge") && other.contains("`d`"), "{other}");
+}
+
+/// The parameter of a gap is a number that can be read.
+#[test]
+fn a_gap_at_zero_is_told_at_zero() {
+    let text = said(
+        "[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = { type = \"along\", position = 0.1, curve = { parameter = \"u\", x = \"u\", z = \"floor(u)\", range = [-1.0, 1.0] } }\n",
+        &[],
+    );
+    assert!(text.contains("has a gap at parameter 0.0\n"), "{text}");
+}

@@ -248,7 +248,10 @@ action = "stop"
 
 #[test]
 fn a_start_beyond_a_limit_is_refused() {
-    let (scenario, model) = shipped("stops", &["pendulum.position=-0.1"]);
+    let (mut scenario, _) = shipped("stops", &[]);
+    let pendulum = scenario.description.bodies.iter_mut().find(|body| body.name == "pendulum");
+    pendulum.expect("a pendulum").hinge.position = vec![-0.1];
+    let model = build(&scenario.description);
     let error = go(&scenario, &model).expect_err("beyond").to_string();
     assert!(error.contains("`pendulum` starts at -0.1, beyond its limits 0 to inf"), "{error}");
 }

@@ -345,6 +345,7 @@ fn the_end_of_a_curve_ends_the_run_by_name_and_time() {
         let time = (2.0 * length / fall).sqrt();
         let error = run(&model, 2.0 * time, &start).expect_err("the end is reached");
         let said: f64 = error.strip_prefix("at t = ").and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+        assert!(error.contains("open = [\"bead\"]") && error.contains("[[stage]]"), "{error}");
         assert!(error.contains("`bead` leaves its curve") && (said - time).abs() < 1e-5 * time, "{error} {time}");
         assert!(run(&model, 0.999 * time, &start).is_ok());
         // A rigid stop there turns it round.

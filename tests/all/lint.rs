@@ -253,7 +253,7 @@ fn hung(mass: f64, stiffness: &str, length: &str) -> String {
 fn springs_between_points_are_judged_as_those_of_slides() {
     told_once(
         &hung(10.0, "1e4", "300"),
-        &["`length`: the spring has at least", "times the weight", "write \"300 mm\""],
+        &["`length`: the spring has 2997000 N at the start", "times the weight", "write \"300 mm\""],
     );
     told_once(&hung(10.0, "5", "0.3"), &["`stiffness`: 5 N/m let `a` sink by 19.6133 m", "write \"5 N/mm\""]);
     assert_eq!(warnings(&hung(10.0, "1e4", "0.3")), "");
@@ -445,8 +445,81 @@ fn shipped_scenes_are_not_suspected() {
             "after the end of the run",
             "leaves out",
             "does not twist",
+            "never comes",
         ] {
             assert!(!said.contains(words), "{}: {said}", path.display());
         }
     }
+}
+
+/// Angles beyond a turn that motors, drives and events have of a hinge that turns, in numbers that nobody writes in radians.
+#[test]
+fn degrees_are_told_in_motors_drives_and_events() {
+    let hinge = |kind: &str| hinge(kind, "position = 0.1");
+    let motor = |target: &str| {
+        format!("[[motor]]\nhinge = \"arm\"\ntype = \"pd\"\nstiffness = 10.0\ndamping = 1.0\ntarget = {target}\n")
+    };
+    let ramp = |to: &str| format!("[[drive]]\nhinge = \"arm\"\ntype = \"ramp\"\nto = {to}\nduration = 1.0\n");
+    let sine = |amplitude: &str| {
+        format!("[[drive]]\nhinge = \"arm\"\ntype = \"sine\"\namplitude = {amplitude}\nfrequency = 1.0\n")
+    };
+    let event = |value: &str| format!("[[event]]\nname = \"e\"\nhinge = \"arm\"\nvalue = {value}\n");
+    let told: [(&str, String); 4] = [
+        ("`target`", motor("90.0")),
+        ("`to`", ramp("90.0")),
+        ("`amplitude`", sine("30.0")),
+        ("`value`", event("45.0")),
+    ];
+    for (key, table) in &told {
+        told_once(&(hinge("revolute") + table), &[key, "is more than a turn", " deg\""]);
+        // Of a distance they are lengths.
+        assert_eq!(warnings(&(hinge("prismatic") + table)), "", "{table}");
+    }
+    // Units, whole quarters of a turn, less than a turn, and ends of motions that go round and round.
+    let silent = [
+        motor("\"90 deg\""),
+        motor("6.0"),
+        motor("12.566370614359172"),
+        event("31.41592653589793"),
+        ramp("62.83"),
+        ramp("1000.0"),
+        ramp("43.0"),
+        sine("0.5"),
+    ];
+    for table in silent {
+        assert_eq!(warnings(&(hinge("revolute") + &table)), "", "{table}");
+    }
+}
+
+/// A spring with a thousand times the weight of the scene is told, whatever its length is; one that a stop may bear is not.
+#[test]
+fn a_preload_of_a_thousand_weights_is_told() {
+    let between = |stiffness: &str| {
+        hinge("revolute", "position = 0.0").replace("center", "markers = { m = [0.0, 0.0, -1.0] }\ncenter")
+            + "[[force]]\ntype = \"spring\"\nbetween = [\"arm.m\", { body = \"ground\", at = [1.0, 0.0, 0.0] }]\nlength = 0.2\n"
+            + &format!("stiffness = {stiffness}\n")
+    };
+    // √2 m apart: 1.214 m times 1e5 N/m, of 9.81 N.
+    told_once(&between("1e5"), &["`length`: the spring has 121421 N at the start, 12382 times the weight", "0.2 m"]);
+    assert_eq!(warnings(&between("1e3")), "");
+    let slide = |keys: &str| hinge("prismatic", &format!("stiffness = 1e4, {keys}"));
+    told_once(&slide("rest = 5.0"), &["`hinge.rest`: the spring has 50000 N", "5 mm"]);
+    assert_eq!(warnings(&slide("rest = 5.0, limits = [0.0, 0.01]")), "");
+    assert_eq!(warnings(&slide("rest = 0.5")), "");
+}
+
+/// A distance is never negative: an event that waits for it to cross 0 waits for ever.
+#[test]
+fn an_event_that_no_distance_crosses_is_told() {
+    let scene = |kind: &str, event: &str| {
+        hinge("prismatic", "position = 0.5")
+            + &format!("[[output]]\nname = \"gap\"\n{kind}\n[[event]]\nname = \"touch\"\noutput = \"gap\"\n{event}\n")
+    };
+    let distance = "type = \"distance\"\nbetween = [\"arm\", { body = \"ground\", at = [0.0, 3.0, 0.0] }]";
+    let position = "type = \"position\"\nof = \"arm\"\naxis = [0.0, 1.0, 0.0]";
+    for event in ["value = 0.0", "value = -0.1", ""] {
+        told_once(&scene(distance, event), &["`touch` never comes", "`gap` is never negative", "a small gap above 0"]);
+        assert_eq!(warnings(&scene(position, event)), "", "{event}");
+    }
+    assert_eq!(warnings(&scene(distance, "value = 0.001")), "");
 }

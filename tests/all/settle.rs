@@ -253,3 +253,99 @@ fn a_capsule_settles_with_its_heavy_side_down() {
         assert!(to_center.z < 0.0 && beside.z.abs() < 1e-9, "{to_center} {beside}\n{text}");
     }
 }
+
+/// Planes around the vertical axis, steep or flat, that pass beside the origin by up to `aside` (m): what lies in them has a lowest place.
+fn bowl(random: &mut Random, aside: f64) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+    let (count, turn) = (3 + random.below(3), random.between(0.0, 6.0));
+    let plane = |k: usize| {
+        let around = turn + std::f64::consts::TAU * k as f64 / count as f64 + random.between(-0.2, 0.2);
+        let steep = random.between(0.15, 1.2);
+        let normal = Vector3::new(around.cos() * steep.sin(), around.sin() * steep.sin(), steep.cos());
+        (normal, Vector3::new(-normal.x, -normal.y, 0.0) * random.between(0.0, 1.0) * aside)
+    };
+    (0..count).map(plane).collect()
+}
+
+fn in_bowl(planes: &[(Vector3<f64>, Vector3<f64>)], shape: &str, start: [f64; 7], friction: f64) -> String {
+    let planes = planes.iter().map(|(n, at)| {
+        format!("{{ plane = [{:?}, {:?}, {:?}], at = [{:?}, {:?}, {:?}] }}", n.x, n.y, n.z, at.x, at.y, at.z)
+    });
+    format!(
+        "[[body]]\nname = \"bowl\"\nshape = [{}]\nhinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"one\"\nmass = 1.3\ninertia = [0.01, \
+         0.01, 0.01]\n{shape}\nhinge = {{ type = \"free\", position = {start:?} }}\n[[contact]]\nbetween = [\"one\", \"bowl\"]\nfriction = \
+         {friction:?}\n",
+        planes.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// The lowest place of the middle of a ball: of the corners of three planes at the ball's radius the lowest that is on the right side of all others.
+fn lowest(planes: &[(Vector3<f64>, Vector3<f64>)], radius: f64) -> Option<Vector3<f64>> {
+    let mut found: Option<Vector3<f64>> = None;
+    for (i, j, k) in (0..planes.len()).flat_map(|i| (0..i).flat_map(move |j| (0..j).map(move |k| (i, j, k)))) {
+        let rows = [i, j, k].map(|p| planes[p].0.transpose());
+        let right = Vector3::from_iterator([i, j, k].map(|p| planes[p].0.dot(&planes[p].1) + radius));
+        let Some(inverse) = nalgebra::Matrix3::from_rows(&rows).try_inverse() else { continue };
+        let at = inverse * right;
+        let inside = planes.iter().all(|(normal, point)| (at - point).dot(normal) > radius - 1e-9);
+        if inside && found.is_none_or(|found| at.z < found.z) {
+            found = Some(at);
+        }
+    }
+    found
+}
+
+/// A ball settles in bowls of planes, whatever its friction: without any in the lowest place, with some no lower.
+#[test]
+fn a_ball_settles_in_a_bowl() {
+    let (mut random, mut refused) = (Random::new(0xb0), 0);
+    for case in 0..30 {
+        let (planes, radius) = (bowl(&mut random, 0.4), random.between(0.05, 0.2));
+        // In turns as free of a ball as the lowest place is only if planes lean to all sides.
+        let Some(low) = lowest(&planes, radius) else { continue };
+        let start = [random.between(-0.4, 0.4), random.between(-0.4, 0.4), 2.0, 1.0, 0.0, 0.0, 0.0];
+        for friction in [0.0, 0.01, 0.1, 0.3, 1.0] {
+            let text = in_bowl(&planes, &format!("shape = {{ sphere = {radius:?} }}"), start, friction);
+            let (model, found) = settled(&text);
+            let Ok(found) = found else {
+                refused += 1;
+                continue;
+            };
+            assert!(found.converged, "case {case}, {friction}: {:?}\n{text}", found.notes);
+            let at = place(&model, &found.position, "one");
+            // What counts as closed is 1e-6 of the radius; corners of flat angles magnify it.
+            assert!(at.z > low.z - 1e-5 && (friction > 0.0 || (at.z - low.z).abs() < 1e-5), "case {case}: {at} {low}");
+            assert_eq!(judged(&text, &found.position).verdict, Verdict::Stands, "case {case}, {friction}\n{text}");
+        }
+    }
+    // What is not found is said; of 100 and more it may be one.
+    assert!(refused <= 1, "{refused} balls did not settle");
+}
+
+/// Capsules, cylinders and boxes settle in funnels, with friction and without.
+#[test]
+fn what_is_long_settles_in_a_funnel() {
+    let (mut random, mut refused) = (Random::new(0xf1), 0);
+    for case in 0..45 {
+        let planes = bowl(&mut random, 0.4 * (case % 2) as f64);
+        let (radius, length) = (random.between(0.03, 0.1), random.between(0.1, 0.4));
+        let shape = match case % 3 {
+            0 => format!("capsule = [{radius:?}, {length:?}]"),
+            1 => format!("cylinder = [{radius:?}, {length:?}]"),
+            _ => format!("box = [{:?}, {:?}, {length:?}]", 2.0 * radius, 3.0 * radius),
+        };
+        let center = [0; 3].map(|_| random.between(-0.02, 0.02));
+        let q = random.turn();
+        for friction in [0.0, 0.3] {
+            let shape = format!("center = {center:?}\nshape = {{ {shape} }}");
+            let text = in_bowl(&planes, &shape, [0.0, 0.0, 1.5, q.w, q.i, q.j, q.k], friction);
+            let (_, found) = settled(&text);
+            let Some(found) = found.ok().filter(|found| found.converged) else {
+                refused += 1;
+                continue;
+            };
+            assert_eq!(judged(&text, &found.position).verdict, Verdict::Stands, "case {case}, {friction}\n{text}");
+        }
+    }
+    // As above, of 90; one is told to fall, by a load of 1e-12 of its weight that no support feels.
+    assert!(refused <= 2, "{refused} scenes did not settle");
+}

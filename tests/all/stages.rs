@@ -22,6 +22,7 @@ mod drives;
 mod ends;
 mod input;
 mod launcher;
+mod together;
 
 const OPTIONS: Options = Options { bodies: 5, springs: false, welds: true };
 

@@ -8,7 +8,7 @@ use super::material::Material;
 use crate::record::Table;
 
 /// Columns of one channel that are drawn.
-const MOST_CURVES: usize = 8;
+const MOST_CURVES: usize = 20;
 /// Numbers that a page holds: with four bytes each in letters 0.45 megabytes.
 const MOST_NUMBERS: usize = 84_000;
 

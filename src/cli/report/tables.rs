@@ -1,10 +1,12 @@
 //! Tables: modes, pose, reactions, what couplings bear, energies, events.
 
+use super::super::number::{digits_apart, natural, number_to};
 use super::super::text::{UNDAMPED, number, small, without_noise};
 use super::material::Material;
 use super::sizes::{Sizes, numbers_of, units};
 use crate::markup::escape;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Rows of one table that are shown; the data have all.
@@ -64,8 +66,11 @@ fn list<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = &'v Value> {
     value[key].as_array().into_iter().flatten()
 }
 
+/// What has names, in the order in which people count.
 fn map<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = (&'v String, &'v Value)> {
-    value[key].as_object().into_iter().flatten()
+    let mut all: Vec<_> = value[key].as_object().into_iter().flatten().collect();
+    all.sort_by(|(one, _), (other, _)| natural(one, other));
+    all.into_iter()
 }
 
 /// The hinges that carry a motion, and how much of it.
@@ -179,7 +184,10 @@ pub(super) fn reactions(out: &mut String, material: &Material) {
     };
     let mut rows = Vec::new();
     for (key, what) in [("drives", "drive"), ("motors", "motor"), ("pulls", "rope or curve")] {
-        let row = |(name, value): (&String, &Value)| vec![escape(name), what.to_owned(), bears(value)];
+        let row = |(name, value): (&String, &Value)| {
+            let what = if what == "drive" && is_lock(material, name) { "lock" } else { what };
+            vec![escape(name), what.to_owned(), bears(value)]
+        };
         rows.extend(map(statics, key).map(row));
     }
     let held = |held: &Value| {
@@ -212,13 +220,51 @@ pub(super) fn run(out: &mut String, material: &Material) {
         ledger.push(vec!["not accounted for, at most".to_owned(), small(without_noise(drift, scale))]);
     }
     table(out, "Energy ledger", &["", "J"], ledger);
+    events(out, material, scale);
+    outputs(out, "Outputs at the end", material, outcome);
+}
+
+/// Whether a drive is what holds a hinge that a stage has locked: `body.lock`, `body.lock[1]`, and no drive of the scene.
+fn is_lock(material: &Material, name: &str) -> bool {
+    let held = name.split_once(".lock").filter(|(_, rest)| rest.is_empty() || rest.starts_with('['));
+    held.is_some_and(|(body, _)| material.scene.bodies.iter().any(|one| one.name == body))
+}
+
+/// The events of a run. Stages are at no place: of them it is told what energy (J) the change has taken out, and their outputs.
+fn events(out: &mut String, material: &Material, energy: f64) {
+    let (outcome, sizes) = (&material.outcome, Sizes::of(material));
+    let is_stage = |event: &Value| event["kind"] == "stage";
+    let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (label, value) in list(outcome, "events").flat_map(|event| map(event, "outputs")) {
+        values.entry(label).or_default().extend(value.as_f64());
+    }
+    let digits: BTreeMap<&str, usize> = values.iter().map(|(label, values)| (*label, digits_apart(values))).collect();
+    let told = |event: &Value| {
+        let each = |(label, value): (&String, &Value)| {
+            let unit = units(material, label).into_iter().next().filter(|unit| *unit != "1");
+            let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+            let digits = digits.get(label.as_str()).copied().unwrap_or_default();
+            value.as_f64().map(|value| format!("{} {}{}", escape(label), number_to(value, digits), escape(&unit)))
+        };
+        map(event, "outputs").filter_map(each).collect::<Vec<_>>().join(", ")
+    };
     let row = |event: &Value| {
         let text = |key: &str| escape(event[key].as_str().unwrap_or_default());
         let value = |key: &str| event[key].as_f64().map_or(String::new(), |x| number(sizes.clean_coordinate(x)));
         let time = event["time"].as_f64().map_or(String::new(), number);
-        vec![time, text("kind"), text("name"), value("value"), value("speed")]
+        let place = if is_stage(event) { [String::new(), String::new()] } else { [value("value"), value("speed")] };
+        let lost = event["value"].as_f64().filter(|_| is_stage(event));
+        let lost = lost.map_or(String::new(), |lost| number(without_noise(lost, energy)));
+        let [at, speed] = place;
+        vec![time, text("kind"), text("name"), at, speed, lost, told(event)]
     };
-    let rows = list(outcome, "events").map(row).collect();
-    table(out, "Events", &["time (s)", "what", "of", "at", "speed"], rows);
-    outputs(out, "Outputs at the end", material, outcome);
+    let mut rows: Vec<Vec<String>> = list(outcome, "events").map(row).collect();
+    let mut heads = vec!["time (s)", "what", "of", "at", "speed", "taken out (J)", "outputs"];
+    for column in [6, 5] {
+        if rows.iter().all(|row| row[column].is_empty()) {
+            heads.remove(column);
+            rows.iter_mut().for_each(|row| drop(row.remove(column)));
+        }
+    }
+    table(out, "Events", &heads, rows);
 }

@@ -245,8 +245,10 @@
     return mesh;
   });
   const floors = {};
-  for (const [name, { floor: [[x0, y0], [x1, y1]], spacing, height }] of Object.entries(look.views)) {
-    const grid = [];
+  for (const [name, { floor, spacing, height }] of Object.entries(look.views)) {
+    // Where nothing falls there is none.
+    if (!floor) continue;
+    const grid = [], [[x0, y0], [x1, y1]] = floor;
     const [across, along] = [Math.round((x1 - x0) / spacing), Math.round((y1 - y0) / spacing)];
     for (let k = 0; k <= across; k++) grid.push(x0 + k * spacing, y0, height, x0 + k * spacing, y1, height);
     for (let k = 0; k <= along; k++) grid.push(x0, y0 + k * spacing, height, x1, y0 + k * spacing, height);
@@ -308,9 +310,11 @@
     gl.disableVertexAttribArray(tintAt);
     gl.vertexAttrib3f(tintAt, 1, 1, 1);
     gl.enableVertexAttribArray(positionAt);
-    gl.bindBuffer(gl.ARRAY_BUFFER, floor.position);
-    gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
-    gl.drawArrays(gl.LINES, 0, floor.count);
+    if (floor) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, floor.position);
+      gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
+      gl.drawArrays(gl.LINES, 0, floor.count);
+    }
     gl.uniform1f(litAt, 1);
     gl.enableVertexAttribArray(normalAt);
     const matrices = places(clips[state.clip], state.time);

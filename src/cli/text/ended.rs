@@ -1,9 +1,10 @@
 //! Reports of a run that has ended.
 
+use super::super::number::{digits_apart, mean_and_deviation, number_to};
 use super::super::output::bold;
 use super::{MOST_LINES, count, duration, more, number, small, times, without_noise};
-use crate::model::Model;
 use crate::model::description::When;
+use crate::model::{Model, Output};
 use crate::round_off::SHOWN;
 use crate::simulate::Summary;
 use crate::simulate::events::{Kind, Occurrence};
@@ -110,10 +111,53 @@ pub(in crate::cli) fn across(summary: &Summary) -> impl Iterator<Item = String> 
     })
 }
 
+/// From so many stages with one output on it is said how it scatters.
+const SCATTER: usize = 3;
+
+/// An output that several stages tell of.
+struct Scatter<'s> {
+    label: &'s str,
+    values: Vec<f64>,
+    /// Significant digits that tell the values apart.
+    digits: usize,
+}
+
+impl<'s> Scatter<'s> {
+    /// Of all outputs that so many stages tell of, in the order in which they are told.
+    fn all(summary: &'s Summary) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for (_, label, value) in &summary.told {
+            match found.iter_mut().find(|one| one.label == label) {
+                Some(one) => one.values.push(*value),
+                None => found.push(Self { label, values: vec![*value], digits: 0 }),
+            }
+        }
+        found.retain(|one| one.values.len() >= SCATTER && one.values.iter().all(|value| value.is_finite()));
+        found.iter_mut().for_each(|one| one.digits = digits_apart(&one.values));
+        found
+    }
+
+    fn line(&self, model: &Model) -> String {
+        let units = |output: &Output| output.labels().zip(output.units.clone()).collect::<Vec<_>>();
+        let known = model.outputs.iter().flat_map(units).find(|(label, unit)| *label == self.label && unit != "1");
+        let unit = known.map_or(String::new(), |(_, unit)| format!(" {unit}"));
+        let [mean, deviation] = mean_and_deviation(&self.values);
+        format!(
+            "  told         {} by {} stages: mean {}{unit}, standard deviation {}{unit}\n",
+            self.label,
+            self.values.len(),
+            number_to(mean, self.digits),
+            number(deviation)
+        )
+    }
+}
+
 /// The outputs that are told with a stage.
-fn told(summary: &Summary, stage: &str) -> String {
+fn told(summary: &Summary, stage: &str, scatter: &[Scatter<'_>]) -> String {
     let of_stage = summary.told.iter().filter(|(name, ..)| name == stage);
-    let each: Vec<String> = of_stage.map(|(_, label, value)| format!("{label} {}", number(*value))).collect();
+    let digits = |label: &str| scatter.iter().find(|one| one.label == label).map_or(0, |one| one.digits);
+    let each: Vec<String> =
+        of_stage.map(|(_, label, value)| format!("{label} {}", number_to(*value, digits(label)))).collect();
     if each.is_empty() { String::new() } else { format!(": {}", each.join(", ")) }
 }
 
@@ -167,12 +211,14 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         summary.events.iter().filter(is_told).partition(|event| event.kind == Kind::Stage);
     let mut events: Vec<_> = stages.into_iter().chain(others.iter().take(MOST_LINES).copied()).collect();
     events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let scatter = Scatter::all(summary);
     for (line, event) in events.into_iter().enumerate() {
         let head = if line == 0 { "events" } else { "" };
-        let told = if event.kind == Kind::Stage { told(summary, &event.name) } else { String::new() };
+        let told = if event.kind == Kind::Stage { told(summary, &event.name, &scatter) } else { String::new() };
         let _ = writeln!(out, "  {head:<12} {} s: {}{told}", number(event.time), event.in_words(number));
     }
     more(&mut out, others.len());
+    scatter.iter().for_each(|one| out += &one.line(model));
     out += &pending(summary);
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");

@@ -6,6 +6,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 /// Rows of these equations, and refinements of their solution.
 const MOST_ROWS: usize = 240;
 const MOST_POLISHED: usize = 8;
+/// Steps of Newton's method with states that change.
+const MOST_STEPS: usize = 20;
 /// Refinements of a solution of these rows.
 const REFINEMENTS: usize = 3;
 /// What their solution may lack, in parts of rates and of forces.
@@ -33,10 +35,7 @@ impl Problem {
                 }
             }
             let rows = self.rows(&forces, states)?;
-            let missing = DVector::from_iterator(
-                rows.len(),
-                rows.iter().map(|row| -row.measures.dot(&self.rate(row.of, &forces))),
-            );
+            let missing = self.missing(&rows, &forces);
             if missing.amax() <= POLISHED * size && self.obeys(&forces, states, size) {
                 return Some(forces);
             }
@@ -44,6 +43,65 @@ impl Problem {
             rows.iter().zip(change.iter()).for_each(|(row, change)| forces[row.of] += row.pushes * *change);
         }
         None
+    }
+
+    /// Forces and their states by Newton's method with the states that forces and rates predict (Alart, Curnier, "A mixed formulation for
+    /// frictional contact problems prone to Newton like solution methods", CMAME 92, 1991), each step as short as can be: where contacts share
+    /// what others could bear alone sweeps creep. `None` if it does not end, or there are too many rows.
+    pub(super) fn newton(
+        &self,
+        near: &[Vector3<f64>],
+        states: &[ConeState],
+    ) -> Option<(Vec<Vector3<f64>>, Vec<ConeState>)> {
+        let size = (0..near.len()).map(|i| self.rate_size(i, near)).fold(0.0, f64::max);
+        let (mut forces, mut states) = (near.to_vec(), states.to_vec());
+        let mut before: Vec<Vec<ConeState>> = Vec::new();
+        for _ in 0..MOST_STEPS {
+            let rates: Vec<Vector3<f64>> = (0..forces.len()).map(|i| self.rate(i, &forces)).collect();
+            for (i, rate) in rates.iter().enumerate() {
+                self.predict(i, rate, &mut forces[i], &mut states[i]);
+            }
+            // States that come back after others go round.
+            if before.last() != Some(&states) {
+                if before.contains(&states) {
+                    return None;
+                }
+                before.push(states.clone());
+            }
+            let rows = self.rows(&forces, &states)?;
+            let missing = self.missing(&rows, &forces);
+            if missing.amax() <= POLISHED * size && self.obeys(&forces, &states, size) {
+                return Some((forces, states));
+            }
+            let change = shortest(&self.matrix_of(&rows), missing)?;
+            rows.iter().zip(change.iter()).for_each(|(row, change)| forces[row.of] += row.pushes * *change);
+        }
+        None
+    }
+
+    /// The state that a contact's force and rate predict, and the force as it is at the bound of that.
+    fn predict(&self, i: usize, rate: &Vector3<f64>, force: &mut Vector3<f64>, state: &mut ConeState) {
+        let Law::Coulomb { stick, slide } = self.laws[i] else { return };
+        let own = self.own(i)[(0, 0)];
+        if !(own > 0.0) {
+            return;
+        }
+        let ahead = *force - rate / own;
+        (*force, *state) = match ahead.yz().norm() {
+            _ if ahead.x <= 0.0 => (Vector3::zeros(), ConeState::Open),
+            along if stick > 0.0 && along <= stick * ahead.x => (*force, ConeState::Stick),
+            along => {
+                let normal = if force.x > 0.0 { force.x } else { ahead.x };
+                let tangential = if along > 0.0 { ahead.yz() * (slide * normal / along) } else { ahead.yz() };
+                (Vector3::new(normal, tangential.x, tangential.y), ConeState::Slip)
+            }
+        };
+    }
+
+    /// What rows lack with these forces.
+    fn missing(&self, rows: &[Row], forces: &[Vector3<f64>]) -> DVector<f64> {
+        let each = rows.iter().map(|row| -row.measures.dot(&self.rate(row.of, forces)));
+        DVector::from_iterator(rows.len(), each)
     }
 
     /// What rows measure of what they push.

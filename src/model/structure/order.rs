@@ -1,6 +1,6 @@
 //! Whether stages agree with each other at their instants: in the order of their times, whatever their order in the file.
 
-use super::{Part, Structure, meant};
+use super::{HAS_OPENED, Part, Structure, meant};
 use crate::model::description::Description;
 use crate::model::problem::{Element, Problem, number};
 use crate::model::stage::{Verb, When};
@@ -33,10 +33,8 @@ pub(super) fn check(whole: &Description) -> Vec<Problem> {
 
 /// Two stages of one instant that undo each other: whichever comes first, nothing has moved between them.
 fn at_once(whole: &Description, changes: &[Change]) -> Option<Problem> {
-    let undo = |a: Verb, b: Verb| {
-        matches!((a, b), (Verb::Lock, Verb::Release) | (Verb::Close, Verb::Open))
-            || matches!((b, a), (Verb::Lock, Verb::Release) | (Verb::Close, Verb::Open))
-    };
+    let binds = |verb: Verb| matches!(verb, Verb::Lock | Verb::Close);
+    let undo = |a: Verb, b: Verb| binds(a) != binds(b);
     let when = |change: &Change| &whole.stages[change.stage].when;
     let pairs = changes.iter().enumerate().flat_map(|(k, later)| changes[..k].iter().map(move |first| (first, later)));
     let (first, later) = pairs.into_iter().find(|(first, later)| {
@@ -73,6 +71,7 @@ fn by_time(whole: &Description, changes: &BTreeMap<Part, Vec<Change>>) -> Vec<Pr
             continue;
         };
         timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let opened = timed.iter().find(|(_, change)| change.meant == Verb::Open).map(|(time, _)| *time);
         for (time, change) in timed {
             let Some(why) = structure.change(change.meant, *part) else { continue };
             if !told.insert(*part) {
@@ -81,7 +80,14 @@ fn by_time(whole: &Description, changes: &BTreeMap<Part, Vec<Change>>) -> Vec<Pr
             let stage = &whole.stages[change.stage];
             let name = stage.named().find(|(verb, index, _)| (*verb, *index) == (change.written, change.index));
             let name = name.map_or("", |(_, _, name)| name);
-            let message = format!("stage `{}`: `{name}` {why} at t = {} s", stage.name, number(time));
+            let at = number(time);
+            let message = match opened.filter(|_| why == HAS_OPENED) {
+                Some(before) => {
+                    let before = number(before);
+                    format!("stage `{}` comes at t = {at} s: `{name}` has opened at t = {before} s already", stage.name)
+                }
+                None => format!("stage `{}`: `{name}` {why} at t = {at} s", stage.name),
+            };
             let help = "stages come at their times, whatever their order in the file; what `lock` or `close` names first in \
                         the file is open until then, what `release` or `open` names first is not";
             problems.push(problem(change, message, help.to_owned()));

@@ -166,6 +166,11 @@ impl Drawing {
         bounds
     }
 
+    /// Whether there is a ground to draw.
+    pub(super) fn has_ground(&self) -> bool {
+        self.scene.has_ground()
+    }
+
     /// Whether frames hold a body; they hold the ground.
     fn frames(&self, body: Option<usize>) -> bool {
         body.and_then(|body| self.framed.get(body)).copied().unwrap_or(true)

@@ -75,8 +75,8 @@ pub struct Frame {
     /// Width and height (pixels).
     pub(super) size: [u32; 2],
     pub(super) ground: Ground,
-    /// Corners of the floor that is drawn: least and greatest x and y (m).
-    pub(super) floor: [[f64; 2]; 2],
+    /// Corners of the floor that is drawn: least and greatest x and y (m); `None` where there is none.
+    pub(super) floor: Option<[[f64; 2]; 2]>,
 }
 
 impl Frame {
@@ -105,13 +105,14 @@ impl Frame {
         };
         let up = back.cross(&right);
         let ground = Ground::under(&bounds);
-        let floor = floor(&bounds, ground.spacing);
+        let floor = drawing.has_ground().then(|| floor(&bounds, ground.spacing));
         let origin = bounds.center();
         let mut frame = Self { origin, right, up, back, middle: [0.0; 2], scale: 1.0, size, ground, floor };
         let mut seen = Bounds::default();
-        let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
-        let of_floor = corners.map(|[i, j]| Vector3::new(floor[i][0], floor[j][1], ground.floor));
-        of_floor.iter().for_each(|corner| seen.include(&frame.turned(corner), 0.0));
+        for ([i, j], floor) in [[0, 0], [0, 1], [1, 0], [1, 1]].into_iter().zip(floor.iter().cycle()) {
+            let corner = Vector3::new(floor[i][0], floor[j][1], ground.floor);
+            seen.include(&frame.turned(&corner), 0.0);
+        }
         for poses in poses {
             drawing.each_corner(poses, |corner| seen.include(&frame.turned(&corner), 0.0));
         }
@@ -122,7 +123,7 @@ impl Frame {
         frame
     }
 
-    /// What a viewer that moves needs: azimuth and elevation (rad), centre and extent of all poses (m), the floor.
+    /// What a viewer that moves needs: azimuth and elevation (rad), centre and extent of all poses (m), the floor or null.
     pub fn look(&self, drawing: &Drawing, poses: &[&[Pose]]) -> serde_json::Value {
         let bounds = drawing.room(poses);
         let center = bounds.center();

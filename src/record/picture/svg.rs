@@ -39,9 +39,9 @@ pub fn svg(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> String {
     out
 }
 
-/// Grid and shadows, seen from above; from the side a line.
+/// Grid and shadows, seen from above; from the side a line. Nothing where there is no ground.
 fn floor(out: &mut String, drawing: &Drawing, poses: &[Pose], frame: &Frame) {
-    let [[x0, y0], [x1, y1]] = frame.floor;
+    let Some([[x0, y0], [x1, y1]]) = frame.floor else { return };
     let (height, spacing) = (frame.ground.floor, frame.ground.spacing);
     let place = |x: f64, y: f64| frame.place(&frame.turned(&Vector3::new(x, y, height)));
     let mut lines = String::new();

@@ -37,7 +37,12 @@ pub(super) fn send(stream: &Stream, picture: &Picture, bounds: &Bounds, plays: b
     let blueprint = stream.layout()?;
     let mut ids = Ids(0);
     let bodies = ids.path("view");
-    send_bodies(&blueprint, &bodies, if title.is_empty() { "Bodies" } else { title }, bounds)?;
+    send_bodies(
+        &blueprint,
+        &bodies,
+        if title.is_empty() { "Bodies" } else { title },
+        (bounds, picture.scene.has_ground()),
+    )?;
     let mut rows = Vec::new();
     for (shown, origin, name) in
         [(!picture.captions.is_empty(), CAPTION, "Now"), (picture.statics.is_some(), STATICS, "Statics")]
@@ -124,7 +129,8 @@ fn send_text(blueprint: &Stream, view: &str, title: &str, origin: &str) -> Sent 
     blueprint.log(format!("{view}/ViewContents"), &ViewContents::new(["+ $origin".to_owned()]))
 }
 
-fn send_bodies(blueprint: &Stream, view: &str, title: &str, bounds: &Bounds) -> Sent {
+/// The bodies within their bounds, and a grid on the ground if there is one.
+fn send_bodies(blueprint: &Stream, view: &str, title: &str, (bounds, has_ground): (&Bounds, bool)) -> Sent {
     let parts = ["world", "beams", "springs", "loads", "reactions", "contacts", "center of mass"];
     let contents = parts.map(|part| format!("+ {}/**", super::entity::path(&[part])));
     send_view(blueprint, view, "3D", title, contents.into())?;
@@ -137,6 +143,7 @@ fn send_bodies(blueprint: &Stream, view: &str, title: &str, bounds: &Bounds) -> 
     let ground = Background::new(BackgroundKind::SolidColor).with_color(BACKGROUND);
     blueprint.log(format!("{view}/Background"), &ground)?;
     let grid = LineGrid3D::new()
+        .with_visible(has_ground)
         .with_plane(components::Plane3D::new([0.0, 0.0, 1.0], camera.floor as f32))
         .with_spacing(camera.spacing as f32)
         .with_stroke_width(0.7)

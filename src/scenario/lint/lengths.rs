@@ -4,7 +4,6 @@ use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, li
 use crate::hinge::HingeKind;
 use crate::model::description::GROUND;
 use crate::model::problem::number;
-use std::collections::HashMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -40,8 +39,6 @@ struct Length<'a> {
     numbers: Vec<Written>,
     /// The largest of its numbers in size (m).
     extent: f64,
-    /// How many bodies have it.
-    copies: f64,
     /// The body that it is of; empty of none.
     owner: &'a str,
     role: Role,
@@ -51,56 +48,22 @@ struct Length<'a> {
 #[derive(Debug)]
 pub(super) struct Lengths<'a> {
     all: Vec<Length<'a>>,
-    /// Which of them a number belongs to, by where it is written.
-    owners: HashMap<usize, usize>,
-    /// The two largest in size (m).
-    largest: [f64; 2],
-    /// The sum of [`Length::way`] (m).
-    ways: f64,
 }
 
 impl<'a> Lengths<'a> {
     /// All of a scene but zeros.
     pub(super) fn new(scene: &Scene<'a>) -> Self {
-        let all = found(scene);
-        let numbers = |(index, length): (usize, &Length<'_>)| {
-            length.numbers.iter().map(|written| (written.span.start, index)).collect::<Vec<_>>()
-        };
-        let owners = all.iter().enumerate().flat_map(numbers).collect();
-        let largest = all.iter().fold([0.0, 0.0], |[first, second]: [f64; 2], length| {
-            [first.max(length.extent), second.max(first.min(length.extent))]
-        });
-        let ways = all.iter().map(Length::way).sum();
-        Self { all, owners, largest, ways }
+        Self { all: found(scene) }
     }
 
-    /// The length that a number belongs to.
-    fn owner(&self, number: &Written) -> Option<&Length<'a>> {
-        self.owners.get(&number.span.start).map(|index| &self.all[*index])
-    }
-
-    /// The longest but that of one number (m); 0 without any.
-    pub(super) fn longest(&self, but: Option<&Written>) -> f64 {
-        let is_longest = |length: &Length<'_>| length.extent == self.largest[0];
-        self.largest[usize::from(but.and_then(|but| self.owner(but)).is_some_and(is_longest))]
-    }
-
-    /// No two points of a tree are further from each other than this (m): both are reached from the ground through lengths but that of one
-    /// number, each at most once.
-    pub(super) fn reach(&self, but: &Written) -> f64 {
-        2.0 * (self.ways - self.owner(but).map_or(0.0, Length::way)).max(0.0)
-    }
-}
-
-impl Length<'_> {
-    /// No way of its points is longer, over all copies (m).
-    fn way(&self) -> f64 {
-        3.0_f64.sqrt() * self.extent * self.copies
+    /// The longest (m); 0 without any.
+    pub(super) fn longest(&self) -> f64 {
+        self.all.iter().fold(0.0, |longest, length| longest.max(length.extent))
     }
 }
 
 fn found<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
-    let mut found = Found { scene, lengths: Vec::new(), copies: 1.0 };
+    let mut found = Found { scene, lengths: Vec::new() };
     for body in scene.tables("body") {
         found.of_body(body);
     }
@@ -108,7 +71,6 @@ fn found<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
         found.hinge(beam, "");
         found.add(beam.get("length"), "", Role::Travel);
     }
-    found.copies = 1.0;
     for cable in scene.tables("cable") {
         found.add(cable.get("length"), "", Role::Travel);
     }
@@ -128,7 +90,6 @@ fn found<'a>(scene: &Scene<'a>) -> Vec<Length<'a>> {
 struct Found<'f, 'a> {
     scene: &'f Scene<'a>,
     lengths: Vec<Length<'a>>,
-    copies: f64,
 }
 
 impl<'a> Found<'_, 'a> {
@@ -136,13 +97,12 @@ impl<'a> Found<'_, 'a> {
         let numbers = place.map_or_else(Vec::new, |place| self.scene.numbers(place));
         let extent = numbers.iter().fold(0.0, |extent: f64, written| extent.max(written.value.abs()));
         if extent > 0.0 {
-            self.lengths.push(Length { numbers, extent, copies: self.copies, owner, role });
+            self.lengths.push(Length { numbers, extent, owner, role });
         }
     }
 
     fn of_body(&mut self, body: &'a DeTable<'a>) {
         let name = text(body, "name").unwrap_or_default();
-        self.copies = self.scene.number(body, "repeat").map_or(1.0, |copies| copies.value.max(1.0));
         self.hinge(body, name);
         let is_ground = |kind: &HingeKind| *kind == HingeKind::Fixed && parent(body) == GROUND;
         // What stands still may be as large as it likes.

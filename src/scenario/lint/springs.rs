@@ -1,19 +1,21 @@
 //! Springs that pull at the start as nothing else does, or let what they carry fall.
 
 use super::lengths::Lengths;
-use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, text, units};
+use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, limits, text, units};
+use crate::force::{Act, Law};
 use crate::hinge::HingeKind;
+use crate::model::Model;
 use crate::model::description::{BodyDescription, GROUND};
 use crate::model::problem::number;
+use crate::motion::Motion;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};
 
-/// A spring that pulls at the start with so many times the weight of the whole scene is hardly meant...
+/// A spring that pulls or pushes at the start with so many times the weight of the whole scene is hardly meant, unless a stop may bear it: valves
+/// are pressed on their seats as hard as that.
 const WEIGHTS: f64 = 1000.0;
-/// ... if its length is so many times the longest of the others, too: small mechanisms have springs as strong as that.
-const LONG: f64 = 10.0;
 /// Nobody writes less than a millimetre in millimetres (mm).
 const LEAST: f64 = 1.0;
 /// A spring that lets its own body sink by so many times the longest length of the scene is hardly meant, either.
@@ -23,13 +25,16 @@ const USUAL: f64 = 1.0;
 /// What has less of gravity than this part is no slide that bears a weight.
 const STEEP: f64 = 0.5;
 
-pub(super) fn check(scene: &Scene<'_>, lengths: &Lengths<'_>) {
+/// `model` is that of the scene; `None` if the scene has none.
+pub(super) fn check(scene: &Scene<'_>, lengths: &Lengths<'_>, model: Option<&Model>) {
     let springs = Springs::new(scene, lengths);
     for body in scene.tables("body") {
         springs.in_hinge(body);
     }
-    for force in scene.tables("force").filter(|force| text(force, "type") == Some("spring")) {
-        springs.between(force);
+    let is_spring = |force: &&DeTable<'_>| text(force, "type") == Some("spring");
+    scene.tables("force").filter(is_spring).for_each(|force| springs.carries(force));
+    if let Some(model) = model.filter(|_| scene.tables("force").any(|force| is_spring(&force))) {
+        springs.between(model);
     }
 }
 
@@ -45,8 +50,8 @@ struct Springs<'s, 'a> {
     held: BTreeSet<&'s str>,
     /// The weight of all bodies (N); `None` if it is none, or is not all in bodies.
     weight: Option<f64>,
-    /// Whether all lengths are written: curves and beams have others.
-    lengths_are_known: bool,
+    /// Whether statics finds numbers of the scene: one of a spring is a guess then.
+    is_sought: bool,
     /// How the hinge frames of bodies stand, if nothing below them turns: those that were asked for.
     turns: RefCell<BTreeMap<&'s str, Option<UnitQuaternion<f64>>>>,
 }
@@ -72,11 +77,9 @@ impl<'s, 'a> Springs<'s, 'a> {
         let is_of_bodies = scene.description.beams.is_empty() && scene.description.modals.is_empty();
         let weight = all.iter().map(|body| body.mass.mass).sum::<f64>() * scene.description.gravity.norm();
         let weight = (is_of_bodies && weight > 0.0).then_some(weight);
-        let lengths_are_known = is_of_bodies
-            && all.iter().all(|body| !matches!(body.hinge.kind, HingeKind::Along { .. }))
-            && !scene.document.contains_key("model");
+        let is_sought = exactly(scene.document, "statics.unknown").is_some();
         let turns = RefCell::default();
-        Self { scene, lengths, bodies, named, parents, held, weight, lengths_are_known, turns }
+        Self { scene, lengths, bodies, named, parents, held, weight, is_sought, turns }
     }
 
     /// The body of a table, the first of its copies.
@@ -99,8 +102,11 @@ impl<'s, 'a> Springs<'s, 'a> {
         };
         for coordinate in (0..units.len()).filter(|coordinate| units[*coordinate] == "m") {
             let Some(stiffness) = of("stiffness", velocities, coordinate).filter(|k| k.value > 0.0) else { continue };
-            let ends = ["rest", "position"].map(|key| (key, of(key, units.len(), coordinate)));
-            self.check_preload(&stiffness, &ends);
+            let stops = exactly(table, "hinge.limits").map(limits).unwrap_or_default();
+            if !stops.iter().any(|(of, _)| *of == coordinate) {
+                let ends = ["rest", "position"].map(|key| (key, of(key, units.len(), coordinate)));
+                self.check_preload(&stiffness, &ends);
+            }
             self.check_hinge_sag(table, &kind, coordinate, &stiffness);
         }
     }
@@ -111,32 +117,40 @@ impl<'s, 'a> Springs<'s, 'a> {
         let force = stiffness.value * (value(&ends[0]) - value(&ends[1])).abs();
         let longer = if value(&ends[1]).abs() > value(&ends[0]).abs() { &ends[1] } else { &ends[0] };
         if let (key, Some(end)) = longer {
-            self.tell_preload(&format!("hinge.{key}"), end, force, "");
+            self.tell_preload(&format!("hinge.{key}"), end, force);
         }
     }
 
-    fn tell_preload(&self, key: &str, length: &Written, force: f64, least: &str) {
-        let Some(weight) = self.weight.filter(|weight| force > WEIGHTS * weight) else { return };
-        let (size, others) = (length.value.abs(), self.lengths.longest(Some(length)));
-        if size < LEAST || size <= LONG * others {
-            return;
-        }
+    fn tell_preload(&self, key: &str, length: &Written, force: f64) {
+        let weight = self.weight.filter(|weight| force > WEIGHTS * weight && !self.is_sought);
+        let Some(weight) = weight else { return };
         let message = format!(
-            "`{key}`: the spring has {least}{} N at the start, {:.0} times the weight of the scene",
+            "`{key}`: the spring has {} N at the start, {:.0} times the weight of the scene",
             number(force),
             force / weight
         );
-        self.scene.warn(length, message, in_millimetres(length.value));
+        let help = match length.value.abs() < LEAST {
+            true => format!("stiffness is in N/m, lengths are metres; write \"{} m\" if it is meant", length.value),
+            false => in_millimetres(length.value),
+        };
+        self.scene.warn(length, message, help);
     }
 
-    /// A spring between points, which are no further apart than all lengths of the scene add up to.
-    fn between(&self, table: &DeTable<'_>) {
+    /// Springs between points, as the model begins.
+    fn between(&self, model: &Model) {
+        let mut motion = Motion::new(model);
+        motion.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
+        for (table, force) in self.scene.tables("force").zip(model.forces.iter()) {
+            if let (Law::Spring(spring), Some(length)) = (&force.law, self.scene.number(table, "length")) {
+                self.tell_preload("length", &length, spring.pull(&motion.links).abs());
+            }
+        }
+    }
+
+    /// A spring between points that alone carries a body.
+    fn carries(&self, table: &DeTable<'_>) {
         let Some(stiffness) = self.scene.number(table, "stiffness").filter(|k| k.value > 0.0) else { return };
         let scene = self.scene.description;
-        if let Some(length) = self.scene.number(table, "length").filter(|_| self.lengths_are_known) {
-            let force = stiffness.value * (length.value - self.lengths.reach(&length));
-            self.tell_preload("length", &length, force, "at least ");
-        }
         let mut ends = Vec::new();
         names(table, &mut |name| ends.push(name));
         let on_ground = table.get("between").and_then(|ends| ends.get_ref().as_array()).is_some_and(|ends| {
@@ -213,8 +227,8 @@ impl<'s, 'a> Springs<'s, 'a> {
             || hinge.force.iter().any(|force| *force != 0.0)
             || !scene.contacts.is_empty()
             // What statics finds may be the stiffness.
-            || exactly(self.scene.document, "statics.unknown").is_some();
-        let longest = match self.lengths.longest(None) {
+            || self.is_sought;
+        let longest = match self.lengths.longest() {
             0.0 => USUAL,
             longest => longest,
         };

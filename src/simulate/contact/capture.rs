@@ -299,7 +299,11 @@ impl Equations {
         let warm = self.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
         let step = FIRST * self.model().time_scale();
         let ask = Ask { warm: &warm, fine, sweeps, ahead };
-        let made = moreau(self, time, [&state.position, &state.velocity], step, ask)?;
+        // Stops that the middle of the step touches push there, and begin to when a step has gone there.
+        let pushing = self.system.phase().pushing.clone();
+        let made = moreau(self, time, [&state.position, &state.velocity], step, ask);
+        self.system.phase_mut().pushing = pushing;
+        let made = made?;
         if let Some(contacts) = &mut self.contacts {
             contacts.memory.forces = made.forces;
         }

@@ -1,8 +1,9 @@
-//! Events of the model at which a run ends, or a stage comes, where a stop is struck or a curve ends at the same instant: the value of the
-//! event is that of the limit.
+//! Events of the model at which a run ends, or a stage comes, and what else is at the same instant.
 //!
-//! Such an event comes first. What follows it may have no stop and no curve any more: a stage that opens the hinge lets the body fly on. If
+//! Where a stop is struck or a curve ends there the value of the event is that of the limit. Such an event comes first. What follows it may have no stop and no curve any more: a stage that opens the hinge lets the body fly on. If
 //! the run goes on with the stop, it is struck at once.
+//!
+//! Other events of the model are crossed at once: what goes on from there begins beyond their values, and would never see them crossed.
 
 use super::{Equations, Events, Function, Model, RunError, Stepper, TIME, Transition, Watch};
 use crate::model::watch::Direction;
@@ -17,22 +18,11 @@ impl Events {
         stepper: &mut dyn Stepper<Equations>,
         [from, until]: [f64; 2],
     ) -> Result<Option<(usize, Transition)>, RunError> {
-        // Two instants are located, each with that error.
-        let last = (until + 2.0 * Self::width(motion, [from, until])).min(stepper.time());
+        let last = Self::same_instant(motion, stepper, [from, until]);
         let mut found = None;
         for index in 0..self.watches.len() {
             let Function::User(event) = self.watches[index].function else { continue };
-            if !motion.model().events[event].stops {
-                continue;
-            }
-            self.move_to(motion, stepper, last)?;
-            let value = self.value(motion, Function::User(event), last);
-            let watch = &mut self.watches[index];
-            let after = watch.towards(value);
-            // A value is crossed that is met but for rounding: no step goes on beyond its end, and widths may be less than a digit of the value.
-            // It may have been that near at the last look, too: a step ends where a curve does.
-            watch.found = value;
-            if after > -watch.band && after - watch.lowest > watch.band {
+            if motion.model().events[event].stops && self.is_met(motion, stepper, index, last)? {
                 found = self.transition(motion, index).map(|stop| (index, stop));
             }
             if found.is_some() {
@@ -41,6 +31,53 @@ impl Events {
         }
         self.move_to(motion, stepper, until)?;
         Ok(found)
+    }
+
+    /// Takes all events of the model as seen that are crossed where one ends the run, at the end of an interval with the time of a search
+    /// around it; those that would end it by themselves are kept. Gives the time at which all are crossed (s).
+    pub(super) fn cross_at_once(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        [from, until]: [f64; 2],
+    ) -> Result<f64, RunError> {
+        let (mut time, last) = (until, Self::same_instant(motion, stepper, [from, until]));
+        for index in 0..self.watches.len() {
+            let Function::User(event) = self.watches[index].function else { continue };
+            if self.is_met(motion, stepper, index, last)? && self.counts(motion.model(), index) {
+                if motion.model().events[event].stops {
+                    self.together.push(event);
+                }
+                self.cross(motion, stepper, last, index)?;
+                time = last;
+            }
+        }
+        self.move_to(motion, stepper, time)?;
+        Ok(time)
+    }
+
+    /// Until when something is at the same instant as what was found at the end of an interval (s): two instants are located, each with the
+    /// error of that.
+    fn same_instant(motion: &Equations, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> f64 {
+        (until + 2.0 * Self::width(motion, [from, until])).min(stepper.time())
+    }
+
+    /// Whether the value of an event of the model is met at a time, to which the state is taken: crossed but for rounding, as no step goes on
+    /// beyond its end, and widths may be less than a digit of the value. It may have been that near at the last look, too: a step ends where a
+    /// curve does.
+    fn is_met(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        index: usize,
+        time: f64,
+    ) -> Result<bool, RunError> {
+        self.move_to(motion, stepper, time)?;
+        let value = self.value(motion, self.watches[index].function, time);
+        let watch = &mut self.watches[index];
+        watch.found = value;
+        let after = watch.towards(value);
+        Ok(after > -watch.band && after - watch.lowest > watch.band)
     }
 
     /// Whether a change of sign of an event of the model goes the way that counts.

@@ -1,6 +1,7 @@
 //! What a run begins with.
 
-use crate::model::Model;
+use crate::model::problem::{Element, Problem};
+use crate::model::{Body, Description, Model, Stop};
 use crate::record::ContactPush;
 use crate::round_off::ON_A_LIMIT;
 use crate::simulate::checks::finite;
@@ -51,13 +52,46 @@ impl Prepared {
 
 /// A run starts within its rigid limits: they are walls.
 fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
-    for stop in &model.stops {
-        let value = start.position[stop.position];
-        let slack = ON_A_LIMIT.of(value.abs().max(1.0));
-        if stop.passed(value, slack).is_some() && stop.is_rigid() {
-            let hinge = model.bodies[stop.body].name.clone();
-            return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
-        }
+    passed(model, &start.position).next().map_or(Ok(()), |(_, error)| Err(error))
+}
+
+/// The rigid stops that a position is beyond, with what is said of each.
+fn passed<'m>(model: &'m Model, position: &'m [f64]) -> impl Iterator<Item = (&'m Stop, RunError)> {
+    model.stops.iter().filter(|stop| stop.is_rigid()).filter_map(|stop| {
+        let value = position[stop.position];
+        stop.passed(value, ON_A_LIMIT.of(value.abs().max(1.0)))?;
+        let hinge = model.bodies[stop.body].name.clone();
+        Some((stop, RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] }))
+    })
+}
+
+/// What is wrong with the pose that a scene gives as the start of a run: the hinges that are beyond their rigid limits once loops, drives and
+/// gears are closed at t = 0. Empty if that pose cannot be evaluated: whoever runs it is told why.
+pub fn check_given(model: &Arc<Model>, description: &Description) -> Vec<Problem> {
+    if !model.stops.iter().any(Stop::is_rigid) {
+        return Vec::new();
     }
-    Ok(())
+    let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
+    let start = State { position: q.clone(), velocity: v.clone() };
+    if Equations::beginning(model, 0.0, &start).system.settle(0.0, &mut q, &mut v).is_err() {
+        return Vec::new();
+    }
+    let problem = |(stop, error): (&Stop, RunError)| {
+        let Body { name, hinge, .. } = &model.bodies[stop.body];
+        let of_beam = description.beams.iter().position(|beam| beam.name == *name).map(Element::Beam);
+        let of_body = description.bodies.iter().position(|body| body.name == *name).map(Element::Body);
+        // A list of a repeat is one of its copies.
+        let is_only = hinge.kind.counts().0 == 1 || name.ends_with(']');
+        let index = if is_only { String::new() } else { format!("[{}]", stop.position - hinge.position) };
+        Some(Problem {
+            element: of_body.or(of_beam)?,
+            field: format!("hinge.position{index}"),
+            message: error.to_string(),
+            help: Some(
+                "rigid limits are walls: begin the run within them, widen `limits`, or give the stop a `stiffness`"
+                    .to_owned(),
+            ),
+        })
+    };
+    passed(model, &q).filter_map(problem).collect()
 }

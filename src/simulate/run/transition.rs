@@ -52,7 +52,10 @@ impl Run<'_, '_> {
     ) -> Result<(), RunError> {
         if let Transition::Stop(event) = transition {
             self.put_on_limits(motion, time)?;
-            self.stopped_by = Some(self.model.events[event].name.clone());
+            let name = |event: usize| self.model.events[event].name.clone();
+            self.stopped_by = Some(name(event));
+            let together = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.together));
+            self.stopped_with = together.into_iter().map(name).collect();
             return Ok(());
         }
         if let Transition::Leave(end) = transition {

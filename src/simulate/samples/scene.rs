@@ -8,16 +8,20 @@ use crate::model::couplings::Closure;
 use crate::model::description::OverTime;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
+use crate::motion::Motion;
 use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::record::scene::{
     BodyPicture, BushingPicture, Channel, Extent, FactorPicture, LinePicture, LoadPicture, Scene, ShapePicture,
 };
+use crate::spatial::Pose;
 use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// A plane is drawn this many times as large as the scene, and this part of it thick.
+/// A plane is drawn so many times as large as the scene's length, and larger by so many times the way to what stands on it...
 const GROUND: f64 = 4.0;
-const THIN: f64 = 0.01;
+const BEYOND: f64 = 3.0;
+/// ... and so many times as thick as the scene's length.
+const THIN: f64 = 0.04;
 /// The ends of a beam's and of a cable's elements are drawn as balls of this part of its length.
 const POINT: f64 = 0.004;
 const CABLE_POINT: f64 = 0.002;
@@ -75,7 +79,9 @@ pub(in crate::simulate) fn extent(model: &Model) -> Extent {
 /// All bodies; those of a beam are points of its centre line, for viewers that know no beams, those of a modal body its
 /// interfaces.
 fn bodies(model: &Model) -> Vec<BodyPicture> {
-    let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
+    let length = model.length_scale();
+    let slab = [GROUND * length + BEYOND * footprint(model), THIN * length];
+    let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, slab)).collect();
     for modal in &model.modals {
         let length = modal.modal.tips.iter().map(|tip| tip.place.norm()).fold(modal.modal.center().norm(), f64::max);
         // What is drawn of the root is its shapes, if it has some: rods to its markers would show where the interfaces were.
@@ -91,6 +97,34 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
         }
     }
     pictures
+}
+
+/// How far the root markers of the bodies are from the middles of planes at the start, along these planes (m); 0 without planes.
+fn footprint(model: &Model) -> f64 {
+    let mut planes = Vec::new();
+    for body in &model.bodies {
+        let of_body = body.shapes.iter().filter(|shape| shape.visible);
+        planes.extend(of_body.filter_map(|shape| match &shape.geometry {
+            Geometry::Plane(normal) => Some((body, shape.pose, normal.normalize())),
+            _ => None,
+        }));
+    }
+    if planes.is_empty() {
+        return 0.0;
+    }
+    let mut motion = Motion::new(model);
+    motion.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
+    let places: Vec<Point3<f64>> =
+        model.bodies.iter().map(|body| motion.body_pose(body).translation.vector.into()).collect();
+    let of_plane = |(body, pose, normal): &(&Body, Pose, Vector3<f64>)| {
+        let plane = motion.body_pose(body) * pose;
+        let aside = |place: &Point3<f64>| {
+            let way = plane.inverse_transform_point(place).coords;
+            (way - way.dot(normal) * normal).norm()
+        };
+        places.iter().map(aside).filter(|far| far.is_finite()).fold(0.0, f64::max)
+    };
+    planes.iter().map(of_plane).fold(0.0, f64::max)
 }
 
 /// A ball about the root marker of its body.
@@ -195,7 +229,7 @@ fn outputs(model: &Model) -> Vec<Channel> {
     model.outputs.iter().flat_map(of_output).collect()
 }
 
-fn picture(body: &Body, reach: f64) -> BodyPicture {
+fn picture(body: &Body, slab: [f64; 2]) -> BodyPicture {
     let i = &body.mass.inertia;
     let turn = body.hinge.parent_from_hinge.rotation;
     BodyPicture {
@@ -205,7 +239,7 @@ fn picture(body: &Body, reach: f64) -> BodyPicture {
         center: body.mass.center.into(),
         inertia: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
         markers: body.markers.iter().map(|(name, at)| (name.clone(), (*at).into())).collect(),
-        shapes: body.shapes.iter().filter(|one| one.visible).map(|one| shape(one, reach)).collect(),
+        shapes: body.shapes.iter().filter(|one| one.visible).map(|one| shape(one, slab)).collect(),
         hinge: body.hinge.kind.name().to_owned(),
         hinge_axes: body.hinge.kind.axes().iter().map(|axis| (turn * axis.normalize()).into()).collect(),
         hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),
@@ -213,20 +247,20 @@ fn picture(body: &Body, reach: f64) -> BodyPicture {
     }
 }
 
-/// A plane is a slab of `reach` (m) whose upper face it is.
-fn shape(shape: &Shape, reach: f64) -> ShapePicture {
+/// A plane is a slab, so long and so thick (m), whose upper face it is.
+fn shape(shape: &Shape, [reach, thick]: [f64; 2]) -> ShapePicture {
     let mut pose = shape.pose;
     if let Geometry::Plane(normal) = &shape.geometry {
         let turn = UnitQuaternion::rotation_between(&Vector3::z(), normal)
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-        pose *= turn * Translation3::new(0.0, 0.0, -0.5 * THIN * reach);
+        pose *= turn * Translation3::new(0.0, 0.0, -0.5 * thick);
     }
     let (kind, size, file) = match &shape.geometry {
         Geometry::Box(edges) => ("box", vec![edges.x, edges.y, edges.z], None),
         Geometry::Sphere(radius) => ("sphere", vec![*radius], None),
         Geometry::Cylinder { radius, length } => ("cylinder", vec![*radius, *length], None),
         Geometry::Capsule { radius, length } => ("capsule", vec![*radius, *length], None),
-        Geometry::Plane(_) => ("plane", vec![reach, reach, THIN * reach], None),
+        Geometry::Plane(_) => ("plane", vec![reach, reach, thick], None),
         Geometry::Mesh { file, scale, .. } => {
             ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string()))
         }

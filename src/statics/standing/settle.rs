@@ -22,7 +22,7 @@ use crate::dynamics::System;
 use crate::model::Model;
 use crate::model::problem::number;
 use crate::motion::Motion;
-use crate::round_off::{CONTACT_GAP, ENERGY};
+use crate::round_off::{CLOSED, ENERGY};
 use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
 use crate::statics::settings::Settings;
@@ -38,9 +38,12 @@ const MOST_STEPS: usize = 3000;
 const MOST_TRIALS: usize = 60;
 /// A scene that has moved by this many of its lengths falls for ever.
 const FAR: f64 = 100.0;
-/// What is left of the forces in parts of those that cancel, and the last step in parts of the scene's length.
-const BALANCED: f64 = 1e-10;
+/// What is left of the forces in parts of those that cancel, and the last step in parts of the scene's length; what is left falls on to
+/// its rounding, where the next step leaves more than this part of it.
+const BALANCED: f64 = 1e-9;
 const STILL: f64 = 1e-10;
+const FLOOR: f64 = 1e-12;
+const FALLS_ON: f64 = 0.99;
 /// Forces below this part of them may be rounding that is magnified.
 const LITTLE: f64 = 1e-7;
 /// A step is taken if the Lagrangian falls by this part of what the model says; σ falls or rises beyond these ratios (Conn, Gould,
@@ -52,6 +55,12 @@ const NEAR: f64 = 1e-5;
 /// Impulses are found to this part of the largest then, before that to a thousand times as much in a tenth of the sweeps.
 const FOUND: f64 = 1e-12;
 const MOST_SWEEPS: usize = 3000;
+/// Overlaps up to this part of the scene's length are parted in so many rounds behind a step, to this part of the largest way.
+const LITTLE_WAY: f64 = 1e-5;
+const MOST_PARTINGS: usize = 4;
+const NEARLY: f64 = 1e-6;
+/// Gaps may be missed by this part of a step.
+const MISSED: f64 = 0.1;
 /// Friction is less by this part on the way than it is.
 const WITHIN: f64 = 1e-6;
 
@@ -73,8 +82,10 @@ struct Search<'l, 's> {
     longest: f64,
     sigma: f64,
     warm: Vec<(Id, Vector3<f64>)>,
-    /// Whether the last step was short.
+    /// Whether the last step was short, or left little.
     close: bool,
+    /// σ of the last step and what it left of the forces.
+    last: Option<(f64, f64)>,
 }
 
 /// A step of (1).
@@ -86,6 +97,11 @@ struct Step {
     forces: Vec<Vector3<f64>>,
     /// What the model says of (2) (J).
     predicted: f64,
+    /// What contacts miss of their gaps at its end (m).
+    missed: f64,
+    sigma: f64,
+    /// `σ |x|_B`: what the step leaves of the forces (in the metric of `B⁻¹`).
+    left: f64,
 }
 
 /// Lets a scene settle from a pose.
@@ -125,6 +141,7 @@ pub(super) fn settle(
         sigma,
         warm: Vec::new(),
         close: false,
+        last: None,
     };
     let (place, steps) = search.run(place)?;
     let (moved, body) = way(model, pose, &place.q);
@@ -167,15 +184,23 @@ impl Search<'_, '_> {
             };
             let far = self.farthest(&place.q, &step.full);
             travelled += far;
-            self.close = far <= NEAR * self.model.length_scale();
-            let left = self.sigma_size(&step.x);
             let pull = pull(&place, &self.landscape.metric);
-            place = next;
-            self.warm = step.supports.iter().map(|support| support.id).zip(step.forces).collect();
-            let short = far <= STILL * self.model.length_scale();
-            if short && left <= BALANCED * pull {
+            let falls_on = step.left > FLOOR * pull && self.falls_on(&step);
+            self.close = far <= NEAR * self.model.length_scale() || step.left <= LITTLE * pull;
+            self.last = Some((step.sigma, step.left));
+            let parted;
+            (place, parted) = self.parted(next)?;
+            let short = far.max(parted) <= STILL * self.model.length_scale();
+            if short && step.left <= BALANCED * pull && !falls_on {
                 return Ok((place, steps));
             }
+            if far > 0.0 && far <= f64::EPSILON * STILL * self.model.length_scale() {
+                return Err(Unanswered::Unsettled(format!(
+                    "nothing moves any more after {steps} steps, and {:.1e} of the forces are not borne",
+                    step.left / pull
+                )));
+            }
+            self.warm = step.supports.iter().map(|support| support.id).zip(step.forces).collect();
             if travelled > FAR * self.model.length_scale() {
                 return Err(Unanswered::Unsettled(format!(
                     "it has moved by {} m, {FAR} times its own size, and nothing stops it",
@@ -186,9 +211,9 @@ impl Search<'_, '_> {
         Err(Unanswered::Unsettled(format!("it still moves after {MOST_STEPS} steps")))
     }
 
-    /// `σ |x|_B`: what the step leaves of the forces (in the metric of `B⁻¹`).
-    fn sigma_size(&self, x: &[f64]) -> f64 {
-        self.sigma * self.landscape.size(x)
+    /// Whether a step leaves less than the last one of this σ did, or there is none.
+    fn falls_on(&self, step: &Step) -> bool {
+        self.last.is_none_or(|(sigma, left)| sigma != step.sigma || step.left <= FALLS_ON * left)
     }
 
     /// The largest displacement of a point of any shape (m).
@@ -211,8 +236,10 @@ impl Search<'_, '_> {
             }
             let step = self.step(place, supports.take().unwrap_or_default());
             let far = self.farthest(&place.q, &step.full);
-            if !(far <= self.longest) {
-                self.sigma *= (1.2 * far / self.longest).clamp(2.0, 1e6);
+            let is_long = !(far <= self.longest);
+            // Forces are found to a part of the largest: where that moves by more than gaps, these are missed.
+            if is_long || step.missed > MISSED * far.max(STILL * self.model.length_scale()) {
+                self.sigma *= if is_long { (1.2 * far / self.longest).clamp(2.0, 1e6) } else { 4.0 };
                 self.landscape.look(&place.q)?;
                 supports = Some(step.supports);
                 continue;
@@ -224,14 +251,15 @@ impl Search<'_, '_> {
             let borne: f64 = step.forces.iter().map(|force| force.norm()).sum();
             let noise = ENERGY.of(borne * self.model.length_scale() + stirred(place, &step.x));
             let slight = step.predicted.abs() <= noise;
-            // What is left is rounding if it is little, and a shorter step magnifies it less.
-            let little = self.sigma_size(&step.x) <= LITTLE * pull(place, &self.landscape.metric);
+            let little = step.left <= LITTLE * pull(place, &self.landscape.metric);
             let ratio = match (slight, little) {
                 (false, _) => ratio,
                 (true, true) => 0.5,
                 (true, false) => 1.0,
             };
-            if slight && little || ratio < RATIOS[0] || !ratio.is_finite() {
+            // What is left is rounding if it counts as balanced and does not fall on: a shorter step magnifies it less.
+            let rounding = step.left <= BALANCED * pull(place, &self.landscape.metric) && !self.falls_on(&step);
+            if slight && rounding || ratio < RATIOS[0] || !ratio.is_finite() {
                 self.sigma *= 4.0;
             } else if ratio > RATIOS[1] {
                 self.sigma /= 4.0;
@@ -266,25 +294,56 @@ impl Search<'_, '_> {
 
     /// The solution of (1) with the last factorization.
     fn step(&mut self, place: &Place, supports: Vec<Support>) -> Step {
-        let n = self.model.velocity_count();
-        let free = self.landscape.free.clone();
-        let spread = |x: &[f64]| {
-            let mut full = vec![0.0; n];
-            free.iter().zip(x).for_each(|(i, x)| full[*i] = *x);
-            full
-        };
-        let loose = self.landscape.solve(&place.force);
-        let unborne = spread(&loose);
+        let ways: Vec<f64> = supports.iter().map(|one| self.way(one.gap)).collect();
+        let (found, most) = if self.close { (FOUND, MOST_SWEEPS) } else { (1e3 * FOUND, MOST_SWEEPS / 10) };
+        let (full, forces) = self.pushed(&place.force, &supports, &ways, (found, most));
+        let mut pushed = self.spread(&place.force);
+        for (support, force) in supports.iter().zip(&forces) {
+            for (c, column) in support.columns.iter().enumerate() {
+                column.iter().for_each(|(i, value)| pushed[*i] += value * force[c]);
+            }
+        }
+        let x: Vec<f64> = self.landscape.free.iter().map(|i| full[*i]).collect();
+        let worked: f64 = pushed.iter().zip(&full).map(|(f, x)| f * x).sum();
+        let size = self.landscape.size(&x);
+        let predicted = -0.5 * worked - 0.5 * self.sigma * size.powi(2);
+        let missed = supports.iter().zip(&forces).zip(&ways).map(|((one, force), way)| {
+            let gap = one.rates(&full).x + way;
+            if matches!(one.id, Id::Contact(_)) { if force.x > 0.0 { gap.abs() } else { (-gap).max(0.0) } } else { 0.0 }
+        });
+        let missed = missed.fold(0.0, f64::max);
+        Step { x, full, supports, forces, predicted, missed, sigma: self.sigma, left: self.sigma * size }
+    }
+
+    /// Free coordinates among all, those that are held being zero.
+    fn spread(&self, x: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; self.model.velocity_count()];
+        self.landscape.free.iter().zip(x).for_each(|(i, x)| full[*i] = *x);
+        full
+    }
+
+    /// How all coordinates move by a force and what supports push with, which may go by these ways along their normals (m); and these forces,
+    /// `found` to a part of the largest in so many sweeps.
+    fn pushed(
+        &mut self,
+        force: &[f64],
+        supports: &[Support],
+        ways: &[f64],
+        (found, most): (f64, usize),
+    ) -> (Vec<f64>, Vec<Vector3<f64>>) {
+        let loose = self.landscape.solve(force);
+        let unborne = self.spread(&loose);
         let mut answers: Vec<[Vec<f64>; 3]> = Vec::with_capacity(supports.len());
-        for support in &supports {
+        for support in supports {
             let mut answer = |column: &Column| {
+                let mut full = vec![0.0; unborne.len()];
                 if column.is_empty() {
-                    return vec![0.0; n];
+                    return full;
                 }
-                let mut full = vec![0.0; n];
                 column.iter().for_each(|(i, c)| full[*i] = *c);
-                let rhs: Vec<f64> = free.iter().map(|i| full[*i]).collect();
-                spread(&self.landscape.solve(&rhs))
+                let rhs: Vec<f64> = self.landscape.free.iter().map(|i| full[*i]).collect();
+                let solved = self.landscape.solve(&rhs);
+                self.spread(&solved)
             };
             answers.push([0, 1, 2].map(|i| answer(&support.columns[i])));
         }
@@ -293,32 +352,66 @@ impl Search<'_, '_> {
             let all = (0..supports.len()).map(|j| (j, block(i, j)));
             all.filter(|(j, block)| *j == i || *block != Matrix3::zeros()).collect()
         };
+        let rates = supports.iter().zip(ways).map(|(one, way)| one.rates(&unborne) + Vector3::x() * *way);
         let problem = Problem {
             blocks: (0..supports.len()).map(row).collect(),
-            rates: supports.iter().map(|one| one.rates(&unborne) + Vector3::x() * self.way(one.gap)).collect(),
+            rates: rates.collect(),
             laws: supports.iter().map(|one| one.law).collect(),
         };
         let known = |one: &Support| self.warm.iter().find(|(id, _)| *id == one.id).map(|(_, force)| *force);
         let guess: Vec<Vector3<f64>> = supports.iter().map(|one| known(one).unwrap_or_else(Vector3::zeros)).collect();
-        let (found, most) = if self.close { (FOUND, MOST_SWEEPS) } else { (1e3 * FOUND, MOST_SWEEPS / 10) };
         let forces = problem.solve(&guess, found, most).forces;
         let mut full = unborne;
-        let mut pushed = spread(&place.force);
-        for ((support, answer), force) in supports.iter().zip(&answers).zip(&forces) {
+        for (answer, force) in answers.iter().zip(&forces) {
             for c in 0..3 {
                 full.iter_mut().zip(&answer[c]).for_each(|(x, a)| *x += force[c] * a);
-                support.columns[c].iter().for_each(|(i, value)| pushed[*i] += value * force[c]);
             }
         }
-        let x: Vec<f64> = free.iter().map(|i| full[*i]).collect();
-        let worked: f64 = pushed.iter().zip(&full).map(|(f, x)| f * x).sum();
-        let square = self.landscape.size(&x).powi(2);
-        Step { x, full, supports, forces, predicted: -0.5 * worked - 0.5 * self.sigma * square }
+        (full, forces)
     }
 
-    /// What a step may use up of a gap: nothing of its rounding, and of a deep overlap what it can take back (m).
+    /// What a step may use up of a gap: nothing of its rounding and of a little overlap, which is parted behind it, and of a deep one what it
+    /// can take back (m).
     fn way(&self, gap: f64) -> f64 {
-        if CONTACT_GAP.hides(gap, self.model.length_scale()) { 0.0 } else { gap.max(-0.25 * self.longest) }
+        let length = self.model.length_scale();
+        let little = CLOSED.hides(gap, length) || gap < 0.0 && -gap <= LITTLE_WAY * length;
+        if little { 0.0 } else { gap.max(-0.25 * self.longest) }
+    }
+
+    /// Parts what overlaps a little: `min ½ xᵀ(K + σB)x` with `J_n x ≥ −gap`, without friction. In (1) contacts that stick would share the overlap,
+    /// and where none parts them all forces grow without end.
+    /// Gives how far that moves a shape (m), too.
+    fn parted(&mut self, mut place: Place) -> Result<(Place, f64), Unanswered> {
+        let (length, mut far) = (self.model.length_scale(), 0.0);
+        for _ in 0..MOST_PARTINGS {
+            let mut supports = self.supports(&place.q);
+            supports.retain(|support| !matches!(support.id, Id::Friction(_)));
+            let deepest = supports.iter().map(|support| -support.gap).fold(0.0, f64::max);
+            if CLOSED.hides(deepest, length) || deepest > LITTLE_WAY * length {
+                break;
+            }
+            supports.iter_mut().for_each(|support| support.law = Law::Coulomb { stick: 0.0, slide: 0.0 });
+            self.landscape.look(&place.q)?;
+            let mut sigma = self.sigma;
+            while !self.landscape.factorize(sigma) && sigma.is_finite() {
+                sigma *= 4.0;
+            }
+            let ways: Vec<f64> = supports.iter().map(|support| support.gap).collect();
+            let rest = vec![0.0; place.force.len()];
+            let warm = std::mem::take(&mut self.warm);
+            let (full, _) = self.pushed(&rest, &supports, &ways, (NEARLY, MOST_SWEEPS));
+            self.warm = warm;
+            let x: Vec<f64> = self.landscape.free.iter().map(|i| full[*i]).collect();
+            let q = self.landscape.moved(&place.q, &x);
+            match Place::at(self.landscape, q) {
+                Ok(next) if next.q.iter().all(|q| q.is_finite()) => {
+                    far += self.farthest(&place.q, &full);
+                    place = next;
+                }
+                _ => break,
+            }
+        }
+        Ok((place, far))
     }
 
     /// What may bear within a step from a pose.

@@ -5,7 +5,7 @@ use crate::contact::frame::column_of;
 use crate::contact::support::{self, Cone, RimSupport, Supports, Undecided};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Side};
-use crate::round_off::LOAD;
+use crate::round_off::BORNE;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -151,7 +151,7 @@ impl Bearers {
     fn add(&mut self, bears: Bears, cone: Cone, lever: f64, columns: Vec<Vec<(usize, f64)>>) {
         self.list.push(bears);
         // What pushes a coordinate by rounding alone, as a normal through the axis of a capsule turns it about that, does not.
-        let pushes = |(row, entry): &&(usize, f64)| !LOAD.hides(*entry, self.supports.unit(*row));
+        let pushes = |(row, entry): &&(usize, f64)| !BORNE.hides(*entry, self.supports.unit(*row));
         columns.iter().flatten().filter(pushes).for_each(|(row, _)| self.pushed[*row] = true);
         self.supports.add(cone, lever, columns);
     }
@@ -175,7 +175,13 @@ fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     let (mut system, mut residual) = (System::new(model), rest.clone());
     let sizes = system.at(0.0, pose, &rest).residual(&rest, &mut residual)?.magnitudes().force;
     let mut load = load(model, pose)?;
-    let mut least: Vec<f64> = sizes.iter().map(|size| LOAD.of(*size)).collect();
+    let mut least: Vec<f64> = sizes.iter().map(|size| BORNE.of(*size)).collect();
+    // A pose that is known to a part of the scene's length has moments of its forces at that part of it.
+    let units = units(model);
+    for own in hinges(model) {
+        let largest = own.iter().fold(0.0, |most: f64, i| most.max(least[*i] / units[*i]));
+        own.iter().for_each(|i| least[*i] = largest * units[*i]);
+    }
     for link in model.links.iter().filter(|link| link.joint.is_flex()) {
         let own = link.velocity..link.velocity + link.joint.counts().1;
         let largest = sizes[own.clone()].iter().fold(0.0, |most: f64, size| most.max(*size));
@@ -183,6 +189,15 @@ fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     }
     load.iter_mut().zip(&least).filter(|(f, least)| f.abs() <= **least).for_each(|(f, _)| *f = 0.0);
     Ok(load)
+}
+
+/// The velocity coordinates of each hinge that does not bend.
+fn hinges(model: &Model) -> Vec<Vec<usize>> {
+    let mut of_body: Vec<Vec<usize>> = vec![Vec::new(); model.bodies.len()];
+    for link in model.links.iter().skip(1).filter(|link| !link.joint.is_flex()) {
+        of_body[link.body].extend(link.velocity..link.velocity + link.joint.counts().1);
+    }
+    of_body
 }
 
 /// What the balance of the coordinates lacks at rest (N, N m): gravity, springs, motors, loads.

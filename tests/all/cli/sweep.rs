@@ -451,3 +451,27 @@ fn runs_may_differ_in_their_samples() {
     }
     assert!((rms(0) / rms(1) - 1.0).abs() > 1e-3, "{swept}");
 }
+
+/// What is missing of a call, and what a number may be, is said in one sentence.
+#[test]
+fn what_a_sweep_lacks_is_said() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let refused = |rest: &[&str]| bench.call(&[&["sweep", "scale.toml"][..], rest].concat()).code(2).err;
+    for rest in [&["--cases", "3"][..], &[]] {
+        let said = refused(rest);
+        assert!(said.contains("nothing is varied: give `--over PATH=VALUES` or `--vary PATH=DISTRIBUTION`"), "{said}");
+    }
+    let over = ["--over", "pan.mass=1,2"];
+    for (option, value) in [("--cases", "3"), ("--seed", "1"), ("--sample", "sobol")] {
+        let said = refused(&[&over[..], &[option, value]].concat());
+        assert!(said.contains(&format!("`{option}` is for what is drawn")) && said.contains("give `--vary"), "{said}");
+    }
+    let vary = ["--vary", "pan.mass=uniform(1,2)"];
+    for cases in ["-3", "0", "2000000000", "some"] {
+        let said = refused(&[&vary[..], &["--cases", cases]].concat());
+        assert!(said.contains(cases) && said.contains("a whole number from 1 to 1000000000"), "{said}");
+    }
+    let said = refused(&[&vary[..], &["--cases", "2", "--seed", "-1"]].concat());
+    assert!(said.contains("'-1'") && said.contains("a whole number from 0 to 18446744073709551615"), "{said}");
+}

@@ -34,7 +34,7 @@ fn stages_that_cannot_be_are_told_with_their_line() {
         (stage("when = { time = 0.5 }\nlock = [\"bob\"]"), "no coordinates that a lock holds", "| lock"),
         (
             stage("when = { time = 0.5 }\nopen = [\"arm\"]") + "[[stage]]\nwhen = { time = 0.6 }\nlock = [\"arm\"]\n",
-            "`arm` has opened before",
+            "comes at t = 0.6 s: `arm` has opened at t = 0.5 s already",
             "| lock",
         ),
         (
@@ -51,6 +51,16 @@ fn stages_that_cannot_be_are_told_with_their_line() {
             named("a", "{ time = 0.3 }", "lock") + &named("b", "{ time = 0.3 }", "release"),
             "in `lock` at the same instant, t = 0.3 s",
             "| release",
+        ),
+        (
+            named("a", "{ time = 0.3 }", "lock") + &named("b", "{ time = 0.3 }", "open"),
+            "in `lock` at the same instant, t = 0.3 s",
+            "| open",
+        ),
+        (
+            named("a", "{ time = 0.3 }", "open") + &named("b", "{ time = 0.3 }", "lock"),
+            "in `open` at the same instant, t = 0.3 s",
+            "| lock",
         ),
         // A point mass that would turn about itself.
         (
@@ -136,4 +146,16 @@ fn forces_of_what_opens_are_no_outputs() {
          [[stage]]\nname = \"go\"\nwhen = { time = 0.5 }\nopen = [\"hold\"]\n",
     );
     assert!(text.contains("output `held` asks for the force of `hold`, which stage `go` opens"), "{text}");
+}
+
+/// What closes a hinge instead depends on its type: no loop leads along a curve.
+#[test]
+fn what_closes_in_the_place_of_a_hinge_is_there() {
+    let closes = "[[stage]]\nname = \"s\"\nwhen = { time = 0.5 }\nclose = [";
+    let revolute = said(&format!("{closes}\"arm\"]\n"));
+    assert!(revolute.contains("close a `[[loop]]` of this type"), "{revolute}");
+    let bead = "[[body]]\nname = \"bead\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+                hinge = { type = \"along\", curve = { straight = 1.0 }, position = 0.4 }\n";
+    let along = said(&format!("{bead}{closes}\"bead\"]\n"));
+    assert!(along.contains("no `[[loop]]` is of the type `along`") && !along.contains("of this type"), "{along}");
 }

@@ -1,0 +1,98 @@
+//! Events at one instant: each of them comes.
+
+use super::{given, settings, stage};
+use crate::common::{Random, build};
+use stillpoint::integrate::Method;
+use stillpoint::model::description::{
+    BodyDescription, Description, Direction, EventDescription, HingeDescription, WatchedDescription, When,
+};
+use stillpoint::record::Fanout;
+use stillpoint::simulate::events::Kind;
+use stillpoint::simulate::{self, Integrator, Settings, at_stage};
+
+/// How far bodies may be apart that fall together (m): within the rounding of where they are, and of when they are found there.
+const APART: [f64; 9] = [0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-14, -1e-14, 1e-13, -1e-13];
+
+fn event(body: &str, stops: bool) -> EventDescription {
+    let of = WatchedDescription::Hinge { body: body.to_owned(), coordinate: 0 };
+    EventDescription { name: format!("{body} is down"), of, value: 0.0, direction: Direction::Both, stops }
+}
+
+/// Bodies that fall from 5 m, but for what they are apart, each held by a stage where it is down.
+fn falling(apart: &[f64]) -> Description {
+    let mut scene = Description::new("falling").gravity([0.0, 0.0, -10.0]);
+    for (k, apart) in apart.iter().enumerate() {
+        let name = format!("b{k}");
+        let hinge = HingeDescription::prismatic([0.0, 0.0, 1.0]).position([5.0 + apart]);
+        scene = scene.body(BodyDescription::new(&name, hinge).mass(1.0 + k as f64));
+        scene.events.push(event(&name, false));
+        let mut hold = stage(0.0);
+        hold.name = format!("hold {name}");
+        hold.when = When::Event(format!("{name} is down"));
+        hold.lock.push(name);
+        scene.stages.push(hold);
+    }
+    scene
+}
+
+/// Two or three bodies that fall together come to rest where they are down, whatever the method: none of the events is lost.
+#[test]
+fn stages_at_one_instant_all_come() {
+    let methods = [Method::Dop853, Method::Dopri5, Method::Rk4, Method::Radau5];
+    for (case, first) in APART.iter().enumerate() {
+        for second in APART {
+            let mut random = Random::new(case as u64);
+            let apart = [*first, second, 0.0];
+            let model = build(&falling(&apart[..2 + random.below(2)]));
+            for method in methods {
+                let step = (method == Method::Rk4).then_some(1e-3);
+                let settings = Settings { integrator: Integrator::Method(method), step, ..settings(2.0) };
+                let found = simulate::run(&model, &settings, 1.0, &given(&model), &mut Fanout::new(), &mut |_, _| true)
+                    .unwrap_or_else(|error| panic!("{apart:?}, {method:?}: {error}"));
+                assert!(found.pending.is_empty(), "{apart:?}, {method:?}: {:?}", found.events);
+                // Within 1e-12 s at 10 m/s, where they are held.
+                let off = found.state.position.iter().map(|z| z.abs()).fold(0.0, f64::max);
+                assert!(off < 1e-9, "{apart:?}, {method:?}: {off}");
+                let lost: f64 = (0..model.bodies.len()).map(|k| 50.0 * (1.0 + k as f64)).sum();
+                assert!((found.dissipated - lost).abs() < 1e-8 * lost, "{apart:?}, {method:?}: {}", found.dissipated);
+                let crossings = found.events.iter().filter(|one| one.kind == Kind::Crossing).count();
+                assert_eq!(crossings, model.bodies.len(), "{apart:?}, {method:?}: {:?}", found.events);
+            }
+        }
+    }
+}
+
+/// An event that ends the run does so, and the stage at its instant comes before that.
+#[test]
+fn a_run_ends_at_the_instant_of_a_stage() {
+    for apart in APART {
+        let mut scene = falling(&[0.0, apart]);
+        scene.stages.truncate(1);
+        scene.events[1].stops = true;
+        let model = build(&scene);
+        let found = super::ran(&model, &given(&model), 2.0);
+        assert_eq!(found.stopped_by.as_deref(), Some("b1 is down"), "{apart}: {:?}", found.events);
+        assert!(found.pending.is_empty() && (found.end_time - 1.0).abs() < 1e-11, "{apart}: {:?}", found.events);
+        assert!((found.dissipated - 50.0).abs() < 1e-7, "{apart}: {}", found.dissipated);
+        assert!((found.state.velocity[1] + 10.0).abs() < 1e-9, "{apart}: {:?}", found.state.velocity);
+    }
+}
+
+/// A stage locks its hinge where the scene is when it comes: at the value of the event that it waits for, or where a run begins.
+#[test]
+fn a_stage_locks_where_it_comes() {
+    let mut scene = falling(&[0.25, -0.5]);
+    scene.stages[1].when = When::Time(0.3);
+    let (left, said) = at_stage(&scene, "hold b1", None).unwrap();
+    let held = |left: &Description| {
+        let model = build(left);
+        left.drives
+            .iter()
+            .map(|drive| model.drives.iter().find(|one| one.name == drive.name).unwrap().motion.at(0.0).position)
+            .collect::<Vec<f64>>()
+    };
+    assert_eq!(held(&left), [0.0, 4.5], "{said:?}");
+    assert_eq!(said, ["stage `hold b0` locks `b0` at 0", "stage `hold b1` locks `b1` at 4.5"]);
+    let (left, _) = at_stage(&scene, "hold b1", Some(&[1.0, 2.0])).unwrap();
+    assert_eq!(held(&left), [0.0, 2.0]);
+}
