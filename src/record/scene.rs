@@ -61,14 +61,6 @@ pub struct Scene {
     pub extent: Option<Extent>,
 }
 
-impl Scene {
-    /// Whether there is a ground to draw: none where nothing falls and no body is a plane.
-    pub(in crate::record) fn has_ground(&self) -> bool {
-        let planes = self.bodies.iter().flat_map(|body| &body.shapes).any(|shape| shape.kind == "plane");
-        planes || self.extent.is_none_or(|extent| extent.weight > 0.0)
-    }
-}
-
 /// How large a scene is: what is said of it first, and what round-off is measured by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]

@@ -98,7 +98,6 @@ pub(super) fn check_neighbours(scenario: &Reader<'_>, description: &Description)
 
 /// Finds the convex parts of the meshes that may touch, with `[[contact]]`s alone: files are read for it.
 pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description, spans: &SpanTable<'_>) {
-    let tables = scenario.tables("contact");
     let Description { bodies, contacts, .. } = description;
     let mut unreadable = Vec::new();
     for (index, body) in bodies.iter_mut().enumerate() {
@@ -112,10 +111,12 @@ pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description, s
                     let message = format!("body `{}` cannot touch: {why}", body.name);
                     unreadable.push(of_mesh(spans, (index, k), message, &contacts[at].name));
                 }
+                #[cfg(feature = "import")]
                 Err(NoParts::Shape(why)) => {
                     let message = format!("the mesh `{}` of body `{}` cannot touch: {why}", file.display(), body.name);
                     let help =
                         "`hull = true` beside `mesh` lets its convex hull touch; `contact = false` nothing of it";
+                    let tables = scenario.tables("contact");
                     let place = tables.get(at).map_or(0..0, |table| table.span_of("between"));
                     scenario.findings.push(Finding::error(place, message).label("it is named here").help(help));
                 }
@@ -147,6 +148,7 @@ enum NoParts {
     /// Its file cannot be read.
     File(String),
     /// It is no solid that is convex part by part.
+    #[cfg(feature = "import")]
     Shape(String),
 }
 

@@ -67,6 +67,12 @@ impl LoadTime {
     }
 }
 
+/// Whether there is a ground to draw: none where nothing falls and no body is a plane.
+pub(super) fn has_ground(scene: &Scene) -> bool {
+    let planes = scene.bodies.iter().flat_map(|body| &body.shapes).any(|shape| shape.kind == "plane");
+    planes || scene.extent.is_none_or(|extent| extent.weight > 0.0)
+}
+
 /// Everything that is drawn of a scene.
 #[derive(Debug, Clone)]
 pub struct Drawing {
@@ -168,7 +174,7 @@ impl Drawing {
 
     /// Whether there is a ground to draw.
     pub(super) fn has_ground(&self) -> bool {
-        self.scene.has_ground()
+        has_ground(&self.scene)
     }
 
     /// Whether frames hold a body; they hold the ground.

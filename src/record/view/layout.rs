@@ -20,6 +20,7 @@ use super::sdk::{Color, EntityPath, components};
 use super::sent::Sent;
 use super::stream::Stream;
 use crate::record::drawing::bounds::Bounds;
+use crate::record::drawing::has_ground;
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];
@@ -41,7 +42,7 @@ pub(super) fn send(stream: &Stream, picture: &Picture, bounds: &Bounds, plays: b
         &blueprint,
         &bodies,
         if title.is_empty() { "Bodies" } else { title },
-        (bounds, picture.scene.has_ground()),
+        (bounds, has_ground(&picture.scene)),
     )?;
     let mut rows = Vec::new();
     for (shown, origin, name) in
