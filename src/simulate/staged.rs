@@ -18,6 +18,7 @@
 //!
 //! A scene without stages does not come here: [`crate::simulate::entry`] asks once whether there are any.
 
+mod flying;
 mod relay;
 
 pub(super) use relay::scene;
@@ -63,8 +64,9 @@ pub(super) fn refuse(_: &Description, settings: &Settings, has_function: bool) -
     Ok(())
 }
 
-/// The scene that a stage leaves, with the stages of the file before it; and what is locked in it, in words. Each stage comes in the positions
-/// of the last one, the first in these or, if there are none, in those of the file; a coordinate whose event a stage waits for is where that is.
+/// The scene that a stage leaves, with the stages of the file before it; and what is locked in it, and what flies, in words. Each stage comes in
+/// the positions of the last one, the first in these or, if there are none, in those of the file; a coordinate whose event a stage waits for is
+/// where that is. What flies is held during statics: the rest has an equilibrium without it.
 ///
 /// # Errors
 /// What is wrong with the scene on the way there, or that there is no such stage.
@@ -119,7 +121,17 @@ pub fn at_stage(
         at = carried(&now, &velocity, &next, &fresh).position;
         model = next;
     }
-    Ok((describe(&structure, &rates), locked.into_iter().map(|(_, said)| said).collect()))
+    let mut scene = describe(&structure, &rates);
+    let mut said: Vec<String> = locked.into_iter().map(|(_, said)| said).collect();
+    for body in flying::bodies(&model, &structure) {
+        let body = &mut scene.bodies[body];
+        said.push(format!(
+            "`{}` flies: nothing else acts on it, and statics holds it where its hinge opens",
+            body.name
+        ));
+        body.hinge.lock = true;
+    }
+    Ok((scene, said))
 }
 
 /// The position of a hinge that an event watches for which a stage waits: its place among the coordinates, and its value there.

@@ -20,6 +20,7 @@ use stillpoint::simulate::{self, Integrator, Settings, State, Summary};
 mod cables;
 mod drives;
 mod ends;
+mod flying;
 mod input;
 mod launcher;
 mod together;
