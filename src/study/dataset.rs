@@ -114,27 +114,24 @@ impl Dataset {
         if continues {
             self.remove_abandoned();
         }
-        match is_there {
-            true if continues => return Ok(()),
-            true => return Err(DatasetError::Exists(self.folder.clone())),
-            false => {}
+        let found = || if continues { Ok(()) } else { Err(DatasetError::Exists(self.folder.clone())) };
+        if is_there {
+            return found();
         }
         let failed = |error| DatasetError::Write(manifest.clone(), error);
         fs::create_dir_all(&self.folder).map_err(|error| DatasetError::Write(self.folder.clone(), error))?;
         let entries = fs::read_dir(&self.folder).map_err(failed)?;
         let is_parquet = |entry: &fs::DirEntry| entry.path().extension().is_some_and(|end| end == "parquet");
         if entries.filter_map(Result::ok).any(|entry| is_parquet(&entry)) {
-            return Err(DatasetError::Foreign(self.folder.clone()));
+            // Parts of another process that has just begun the dataset: its manifest was there before them.
+            return if self.is_there()? { found() } else { Err(DatasetError::Foreign(self.folder.clone())) };
         }
         let mut file = Self::locked(&manifest).map_err(failed)?;
         // At once: each of its numbers by itself is a call of the system.
         file.write_all(format!("{:#}\n", self.manifest(cases)).as_bytes()).map_err(failed)?;
         match file.finish_new() {
             // Somebody was faster: it has to be the same.
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => match self.is_there()? && continues {
-                true => Ok(()),
-                false => Err(DatasetError::Exists(self.folder.clone())),
-            },
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && self.is_there()? => found(),
             other => other.map_err(failed),
         }
     }
@@ -250,8 +247,10 @@ impl Dataset {
         };
         for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(ours)) {
             let path = entry.path();
+            // By now the name may be that of a new file, which somebody writes: nobody else removes or renames what is locked here.
             if let Ok(file) = File::options().write(true).open(&path)
                 && file.try_lock().is_ok()
+                && whole_file::is_still(&file, &path).is_ok_and(|still| still)
             {
                 // If it cannot be removed it does no harm.
                 let _ = fs::remove_file(&path);

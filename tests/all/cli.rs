@@ -4,6 +4,8 @@ mod answers;
 #[cfg(feature = "friction")]
 mod arches;
 mod beside_contact;
+#[cfg(all(feature = "parquet", target_os = "linux"))]
+mod clusters;
 #[cfg(feature = "friction")]
 mod contact_outputs;
 mod curve_ends;
