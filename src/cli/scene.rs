@@ -75,7 +75,9 @@ fn note(common: &Common, assembly: &Assembly) {
 
 /// A scenario with its model at the start that a file gives, or the exit code after its problems were printed.
 pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
-    Ok(match load(common)? {
+    // Where another file says how it begins, what the scenario says of that is no matter.
+    let begins = start.map(|_| Override::parse("simulate.start=\"equilibrium\"")).transpose()?;
+    Ok(match load_changed(common, begins)? {
         Ok(loaded) => start_at(common, start, loaded)?,
         Err(exit) => Err(exit),
     })

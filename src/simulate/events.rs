@@ -116,6 +116,8 @@ pub(super) struct Events {
     jumps: Vec<Jump>,
     /// Absolute tolerance of the run.
     tolerance: f64,
+    /// Whether it goes on from another run, which has seen what was met at its end.
+    goes_on: bool,
     pub(super) happened: Vec<Occurrence>,
     /// Events at which the run would end, too, where it does.
     pub(super) together: Vec<usize>,
@@ -133,7 +135,7 @@ pub(super) struct Events {
 
 impl Events {
     /// `None` for a model without stops, events and laws that change.
-    pub(super) fn new(model: &Model, start: &State, search: Search, tolerance: f64) -> Option<Self> {
+    pub(super) fn new(model: &Model, start: &State, search: Search, (tolerance, goes_on): (f64, bool)) -> Option<Self> {
         let any = !model.stops.is_empty()
             || !model.hinge_friction.is_empty()
             || !model.events.is_empty()
@@ -158,6 +160,7 @@ impl Events {
             velocities,
             jumps,
             tolerance,
+            goes_on,
             happened: Vec::new(),
             together: Vec::new(),
             accelerations: vec![0.0; state.velocity.len()],
@@ -238,7 +241,10 @@ impl Events {
                 Function::Breakaway(_) => false,
                 Function::Contact(_) => last[0] > -band,
                 Function::Law(boundary) => motion.system.side(boundary),
-                Function::User(_) => old.map_or(last[0] > 0.0, |watch| watch.positive),
+                Function::User(_) => old.map_or_else(
+                    || if self.goes_on && last[0].abs() <= band { last[1] > 0.0 } else { last[0] > 0.0 },
+                    |watch| watch.positive,
+                ),
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),

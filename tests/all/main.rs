@@ -47,6 +47,7 @@ mod light;
 mod linear;
 mod lint;
 mod loops;
+mod margins;
 mod measures;
 mod mesh_contact;
 mod mjcf;

@@ -18,6 +18,9 @@ const AT_THE_LIMIT: f64 = 1e-8;
 const UNEVEN: f64 = 1e-7;
 /// A balance that misses more than this part of the loads is none.
 const BALANCED: f64 = 1e-9;
+/// Entries of a column below this part of its largest are none in a program: what they push is within what a balance may miss. Bodies that
+/// lie on each other, each tilted by its rounding, would have to be held by forces as many times their weight.
+const FAINT: f64 = 0.3 * BALANCED;
 /// Supports feel a motion by less than this part of it if they do not feel it: round-off of least squares.
 const FELT: f64 = 1e-7;
 /// Forces of (W), at most 1, above this are a squeeze.
@@ -67,7 +70,7 @@ impl<'a> Scaled<'a> {
     /// Rows of all cones after the balance, with the unknown behind the forces.
     fn program(&self, extra: &Extra<'_>) -> Program {
         let rows = self.load.len();
-        let mut columns = self.columns.clone();
+        let mut columns: Vec<_> = self.columns.iter().map(|column| without_faint(column)).collect();
         let mut right: Vec<f64> = self.load.iter().map(|load| -load).collect();
         let mut cones = Vec::new();
         let mut unknown = Vec::new();
@@ -191,6 +194,12 @@ impl<'a> Scaled<'a> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A column without its [`FAINT`] entries.
+fn without_faint(column: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let largest = column.iter().fold(0.0_f64, |most, (_, entry)| most.max(entry.abs()));
+    column.iter().filter(|(_, entry)| entry.abs() >= FAINT * largest).copied().collect()
 }
 
 /// The answer to (P), scaled.

@@ -5,7 +5,7 @@
 //!
 //! Other events of the model are crossed at once: what goes on from there begins beyond their values, and would never see them crossed.
 
-use super::{Equations, Events, Function, Model, RunError, Stepper, TIME, Transition, Watch};
+use super::{Equations, Events, Function, Hit, Model, RunError, Stepper, TIME, Transition, Watch};
 use crate::model::watch::Direction;
 use crate::round_off::EVENT_TIME;
 
@@ -54,6 +54,30 @@ impl Events {
         }
         self.move_to(motion, stepper, time)?;
         Ok(time)
+    }
+
+    /// Takes all events of the model as seen that are met at the end of a run; the first of those that would have ended it. A step goes no further,
+    /// so that they may be crossed but for rounding, and whatever goes on from there begins beyond them.
+    pub(in crate::simulate) fn at_end(
+        &mut self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+    ) -> Result<Option<Hit>, RunError> {
+        let (time, mut first) = (stepper.time(), None);
+        for index in 0..self.watches.len() {
+            let Function::User(event) = self.watches[index].function else { continue };
+            if !self.is_met(motion, stepper, index, time)? || !self.counts(motion.model(), index) {
+                continue;
+            }
+            match (motion.model().events[event].stops, first) {
+                (true, None) => first = Some(Hit { time, transition: Transition::Stop(event) }),
+                (true, Some(_)) => self.together.push(event),
+                (false, _) => {}
+            }
+            self.cross(motion, stepper, time, index)?;
+        }
+        self.move_to(motion, stepper, time)?;
+        Ok(first)
     }
 
     /// Until when something is at the same instant as what was found at the end of an interval (s): two instants are located, each with the

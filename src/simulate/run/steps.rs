@@ -103,7 +103,10 @@ impl Run<'_, '_> {
             self.state.velocity.copy_from_slice(stepper.velocity());
             return Ok(None);
         };
-        let hit = events.look(motion, stepper)?;
+        let mut hit = events.look(motion, stepper)?;
+        if hit.is_none() && stepper.time() >= self.end {
+            hit = events.at_end(motion, stepper)?;
+        }
         self.ledger.undisturbed = hit.is_none() && events.happened.is_empty();
         let until = hit.map_or(stepper.time(), |hit| hit.time);
         interpolate(motion, stepper, until, &mut self.state)?;

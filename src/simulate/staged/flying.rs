@@ -16,9 +16,9 @@ pub(super) fn bodies(model: &Model, structure: &Structure) -> Vec<usize> {
     }
     let freed: Vec<(usize, usize)> =
         structure.freed.keys().map(|body| (*body, root(model, model.bodies[*body].link))).collect();
-    let mut joined: BTreeSet<usize> = (1..model.links.len()).filter(|link| model.links[*link].parent == 0).collect();
-    joined.insert(0);
-    freed.iter().for_each(|(_, tree)| drop(joined.remove(tree)));
+    let flies = |tree: usize| freed.iter().any(|(_, freed)| *freed == tree);
+    let trees = (1..model.links.len()).filter(|link| model.links[*link].parent == 0);
+    let mut joined: BTreeSet<usize> = trees.filter(|tree| !flies(*tree)).chain([0]).collect();
     let groups = groups(model);
     loop {
         let reached = groups.iter().filter(|group| group.iter().any(|tree| joined.contains(tree)));

@@ -6,10 +6,12 @@
 //! (2)  d = df/dα along (1),   α ← α + α*(f, d)   with (L) of the supports: Newton's method
 //! ```
 //!
-//! Where nothing that follows finds a balance, as what slides without friction, the load on it is what ends the range.
+//! Where nothing that follows finds a balance, as what slides without friction, the load on it is what ends the range. A tangent that ends
+//! nowhere is followed all the same, as far as loads go: what a rope bears grows by the square of what pushes across it.
 
 use super::Unanswered;
 use super::closed::Scene;
+use super::settle::way;
 use super::supports::{Bearers, load};
 use crate::contact::support::Limit;
 use crate::model::Model;
@@ -21,8 +23,12 @@ use std::sync::Arc;
 const STEP: f64 = 1e-4;
 /// An end is found once it moves by less than this part of what makes the loads as large again, or of itself.
 const FOUND: f64 = 1e-9;
+/// Beyond so many times what makes the loads as large again a range has no end.
+const ENDLESS: f64 = 1e4;
+/// What follows moves by no more than this part of the scene's length from one value to the next: further off it has jumped.
+const JUMP: f64 = 0.5;
 /// Steps of (2), and halvings of one.
-const MOST_STEPS: usize = 40;
+const MOST_STEPS: usize = 60;
 const MOST_HALVINGS: usize = 12;
 
 /// A scene as a function of a number that loads it.
@@ -33,6 +39,8 @@ pub(super) struct Following<'a> {
     pub(super) pose: &'a [f64],
     /// Velocity coordinates that supports push.
     pub(super) pushed: &'a [bool],
+    /// The value at which the number is as small as it may be, if there is one.
+    pub(super) least: Option<f64>,
 }
 
 /// The scene at a value.
@@ -46,19 +54,25 @@ impl Following<'_> {
     /// The end upwards or downwards from 0; `None` where what follows has no balance beside the given pose, so that supports alone say it.
     /// `unit` makes the loads as large again.
     pub(super) fn end(&self, unit: f64, upwards: bool) -> Result<Option<Limit>, Unanswered> {
+        let sense = if upwards { 1.0 } else { -1.0 };
         let mut here = State { value: 0.0, model: (self.at)(0.0)?, pose: self.pose.to_vec() };
         for _ in 0..MOST_STEPS {
-            let Some(beside) = self.state(here.value + STEP * unit, &here.pose)? else { break };
-            let scene = Scene::new(&here.model, &here.pose, self.settings.gap)?;
-            let mut bearers = Bearers::new(&here.model, &here.pose, &scene)?;
-            let [from, to] = [&here, &beside].map(|state| load(&state.model, &state.pose));
-            let mut direction: Vec<f64> =
-                from?.iter().zip(&to?).map(|(from, to)| (to - from) / (STEP * unit)).collect();
-            direction.iter_mut().zip(self.pushed).filter(|(_, pushed)| !**pushed).for_each(|(d, _)| *d = 0.0);
-            let Limit { value, motion } = bearers.supports.limit(&bearers.load, &direction, upwards)?;
-            let next = here.value + value;
-            if value.is_infinite() || value.abs() <= FOUND * unit.max(next.abs()) {
-                return Ok(Some(Limit { value: next, motion }));
+            let Some(Limit { mut value, motion }) = self.tangent(&here, sense * STEP * unit, upwards)? else { break };
+            let is_end = match value.is_finite() {
+                true => value.abs() <= FOUND * unit.max((here.value + value).abs()),
+                false => here.value.abs() >= ENDLESS * unit,
+            };
+            if is_end {
+                return Ok(Some(Limit { value: here.value + value, motion }));
+            }
+            if value.is_infinite() {
+                value = sense * unit.max(here.value.abs());
+            }
+            if let Some(end) = self.least.filter(|end| here.value + value <= *end) {
+                let near = end + FOUND * unit;
+                if near >= here.value || self.state(near, &here.pose)?.is_some() {
+                    return Ok(Some(Limit { value: end, motion: Vec::new() }));
+                }
             }
             // A long step may lead beyond where there is a balance.
             let tried = (0..MOST_HALVINGS).find_map(|halving| {
@@ -74,11 +88,26 @@ impl Following<'_> {
         }
     }
 
-    /// (1) from a pose nearby; `None` if that finds no balance.
+    /// `α*` of (2), from a difference over `step`; `None` if there is no balance at its end.
+    fn tangent(&self, here: &State, step: f64, upwards: bool) -> Result<Option<Limit>, Unanswered> {
+        let Some(beside) = self.state(here.value + step, &here.pose)? else { return Ok(None) };
+        let scene = Scene::new(&here.model, &here.pose, self.settings.gap)?;
+        let mut bearers = Bearers::new(&here.model, &here.pose, &scene)?;
+        let (from, to) = (load(&here.model, &here.pose)?, load(&beside.model, &beside.pose)?);
+        let mut direction: Vec<f64> = from.iter().zip(&to).map(|(from, to)| (to - from) / step).collect();
+        direction.iter_mut().zip(self.pushed).filter(|(_, pushed)| !**pushed).for_each(|(d, _)| *d = 0.0);
+        Ok(Some(bearers.supports.limit(&bearers.load, &direction, upwards)?))
+    }
+
+    /// (1) from a pose nearby; `None` if that finds no balance, or one elsewhere, or the number cannot have that value.
     fn state(&self, value: f64, from: &[f64]) -> Result<Option<State>, Unanswered> {
-        let model = (self.at)(value)?;
+        let model = match (self.at)(value) {
+            Err(Unanswered::Fixed { .. }) => return Ok(None),
+            model => model?,
+        };
         let held = Arc::clone(&model).locking((0..self.pushed.len()).filter(|i| self.pushed[*i]));
         let found = equilibrium_observed(&held, self.settings, from, Observers::default())?;
-        Ok(found.balanced.then_some(State { value, model, pose: found.position }))
+        let is_near = found.balanced && way(&model, from, &found.position).0 <= JUMP * model.length_scale();
+        Ok(is_near.then_some(State { value, model, pose: found.position }))
     }
 }

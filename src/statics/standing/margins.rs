@@ -27,7 +27,7 @@ pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearer
     let Standing { description, pose, .. } = stands;
     // Where something follows the load, what of it a squeeze bears is not asked.
     let follows = bearers.pushed.iter().any(|pushed| !pushed);
-    let mut unsqueezed = match asked.numbers.is_empty() || follows {
+    let mut unsqueezed = match asked.numbers.is_empty() && !asked.tilt || follows {
         true => None,
         false => bearers.unsqueezed().or_else(|why| match why {
             why @ Undecided::Inexact { .. } => {
@@ -43,7 +43,10 @@ pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearer
             false => interval(description, pose, bearers, parameter),
         };
         match range {
-            Ok(range) => {
+            Ok(mut range) => {
+                // The present value stands: an end on its other side is one at it, but for what the program resolves.
+                let value = parameter.value(description);
+                range.range = [range.range[0].min(value), range.range[1].max(value)];
                 if let Some(unsqueezed) = &mut unsqueezed {
                     margins.notes.extend(squeezed(description, pose, unsqueezed, parameter, &range));
                 }
@@ -59,7 +62,12 @@ pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearer
         Some(Err(why)) if is_note(&why) => {
             margins.notes.push(format!("how far it can be tilted is not known: {why}"));
         }
-        Some(found) => margins.tilt = found?,
+        Some(found) => {
+            margins.tilt = found?;
+            if let Some(unsqueezed) = &unsqueezed {
+                margins.notes.extend(squeezed_tilt(stands, unsqueezed, &margins.tilt));
+            }
+        }
         None => {}
     }
     Ok(margins)
@@ -67,7 +75,11 @@ pub(super) fn margins(stands: Standing<'_>, asked: &Margin, bearers: &mut Bearer
 
 /// Whether a range alone has no answer.
 fn is_note(why: &Unanswered) -> bool {
-    matches!(why, Unanswered::Undecided(Undecided::Inexact { .. }) | Unanswered::Unbalanced { .. })
+    // What follows the load may come upon something that it did not touch.
+    matches!(
+        why,
+        Unanswered::Undecided(Undecided::Inexact { .. }) | Unanswered::Unbalanced { .. } | Unanswered::Untouchable(_)
+    )
 }
 
 /// The range of a number: loads are affine in it, so that a difference is its direction.
@@ -100,22 +112,31 @@ fn following_interval(
         Ok(assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose))
     };
     let unit = bearers.as_large_again(&direction);
-    let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed };
+    let least = Some(least(parameter) - value).filter(|end| end.is_finite());
+    let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed, least };
     let ends = [false, true].map(|upwards| match follows.end(unit, upwards)? {
         Some(end) => Ok(end),
-        None => Ok(bearers.supports.clone().limit(&bearers.load, &direction, upwards)?),
+        None => as_held(bearers.supports.clone().limit(&bearers.load, &direction, upwards)?),
     });
     let [low, high]: [Result<Limit, Unanswered>; 2] = ends;
     Ok(between(description, parameter, low?, high?))
 }
 
+/// An end for which what follows the load was held where it is, as it finds no balance elsewhere: none says nothing.
+fn as_held(limit: Limit) -> Result<Limit, Unanswered> {
+    if limit.value.is_finite() { Ok(limit) } else { Err(Unanswered::Unbalanced { value: 0.0 }) }
+}
+
+/// What a number is at least: no mass is negative, whatever the balance would allow.
+fn least(parameter: &Parameter) -> f64 {
+    if parameter.field == Field::Mass { 0.0 } else { f64::NEG_INFINITY }
+}
+
 fn between(description: &Description, parameter: &Parameter, low: Limit, high: Limit) -> Interval {
     let value = parameter.value(description);
-    // No mass is negative, whatever the balance would allow.
-    let least = if parameter.field == Field::Mass { 0.0 } else { f64::NEG_INFINITY };
     Interval {
         name: parameter.address.clone(),
-        range: [(value + low.value).max(least), value + high.value],
+        range: [(value + low.value).max(least(parameter)), value + high.value],
         motions: [low.motion, high.motion],
     }
 }
@@ -141,6 +162,17 @@ fn squeezed(
     let low = (least > low && apart(least, low)).then(|| note("below", least));
     let high = (most < high && apart(most, high)).then(|| note("above", most));
     low.into_iter().chain(high).collect()
+}
+
+/// Beyond which tilt a scene begins to stand only if it has been squeezed.
+fn squeezed_tilt(stands: Standing<'_>, unsqueezed: &Bearers, ends: &[(String, f64, Vec<f64>)]) -> Vec<String> {
+    let Ok(without) = tilt(stands, unsqueezed) else { return Vec::new() };
+    let less = without.iter().zip(ends).filter(|((_, own, _), (_, end, _))| end - own > ONE * own.max(1e-9));
+    let note = |((way, own, _), _): (&(String, f64, Vec<f64>), &(String, f64, Vec<f64>))| {
+        let angle = significant(own.atan().to_degrees(), 4);
+        format!("tilted by more than {angle}° towards {way} it stands only if it has been squeezed (wedged)")
+    };
+    less.map(note).collect()
 }
 
 /// How the load changes with a number.
@@ -186,12 +218,13 @@ fn tilt(stands: Standing<'_>, bearers: &Bearers) -> Result<Vec<(String, f64, Vec
     let end = |across: &Vector3<f64>, direction: &[f64], upwards: bool| -> Result<Limit, Unanswered> {
         if follows {
             let at = |by: f64| Ok(tilted(model, &(across * by)));
-            let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed };
+            let follows = Following { at: &at, settings, pose, pushed: &bearers.pushed, least: None };
             if let Some(end) = follows.end(bearers.as_large_again(direction), upwards)? {
                 return Ok(end);
             }
         }
-        Ok(bearers.supports.clone().limit(&bearers.load, direction, upwards)?)
+        let limit = bearers.supports.clone().limit(&bearers.load, direction, upwards)?;
+        if follows { as_held(limit) } else { Ok(limit) }
     };
     let both_ways = |(name, across, direction): &Axis<'_>| -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
         let ways = [("+", true), ("-", false)].map(|(sign, upwards)| {

@@ -75,7 +75,7 @@ pub enum Unanswered {
     #[error("{0}")]
     Open(String),
     /// A margin beyond a value at which what follows the load finds no balance.
-    #[error("what bends or hangs on springs finds no balance beyond {} of it", significant(*value, 4))]
+    #[error("what bends or hangs finds no balance nearby beyond {} of it", significant(*value, 4))]
     Unbalanced {
         /// What was added to the number there.
         value: f64,

@@ -38,6 +38,8 @@ const MOST_STEPS: usize = 3000;
 const MOST_TRIALS: usize = 60;
 /// A scene that has moved by this many of its lengths falls for ever.
 const FAR: f64 = 100.0;
+/// What has gone so much of its way in one direction falls; else it moves to and fro.
+const STRAIGHT: f64 = 0.5;
 /// What is left of the forces in parts of those that cancel, and the last step in parts of the scene's length; what is left falls on to
 /// its rounding, where the next step leaves more than this part of it.
 const BALANCED: f64 = 1e-9;
@@ -173,14 +175,17 @@ fn stirred(place: &Place, x: &[f64]) -> f64 {
 
 impl Search<'_, '_> {
     fn run(&mut self, mut place: Place) -> Result<(Place, usize), Unanswered> {
-        let mut travelled = 0.0;
+        let (mut travelled, start) = (0.0, place.q.clone());
         for steps in 1..=MOST_STEPS {
             if !self.landscape.goes_on() {
                 return Err(Unanswered::Unsettled(format!("the search was ended after {steps} steps")));
             }
             self.landscape.look(&place.q)?;
             let Some((step, next)) = self.accepted(&place)? else {
-                return Err(Unanswered::Unsettled(format!("no length of step {steps} goes down")));
+                let far;
+                (place, far) = self.freed(place, || format!("no length of step {steps} goes down"))?;
+                travelled += far;
+                continue;
             };
             let far = self.farthest(&place.q, &step.full);
             travelled += far;
@@ -189,26 +194,42 @@ impl Search<'_, '_> {
             self.close = far <= NEAR * self.model.length_scale() || step.left <= LITTLE * pull;
             self.last = Some((step.sigma, step.left));
             let parted;
-            (place, parted) = self.parted(next)?;
+            (place, parted) = self.parted(next, false)?;
             let short = far.max(parted) <= STILL * self.model.length_scale();
             if short && step.left <= BALANCED * pull && !falls_on {
                 return Ok((place, steps));
             }
             if far > 0.0 && far <= f64::EPSILON * STILL * self.model.length_scale() {
-                return Err(Unanswered::Unsettled(format!(
-                    "nothing moves any more after {steps} steps, and {:.1e} of the forces are not borne",
-                    step.left / pull
-                )));
+                let far;
+                (place, far) = self.freed(place, || {
+                    let left = step.left / pull;
+                    format!("nothing moves any more after {steps} steps, and {left:.1e} of the forces are not borne")
+                })?;
+                travelled += far;
+                continue;
             }
             self.warm = step.supports.iter().map(|support| support.id).zip(step.forces).collect();
             if travelled > FAR * self.model.length_scale() {
+                let (away, _) = way(&self.model, &start, &place.q);
+                let why = if away > STRAIGHT * travelled { "nothing stops it" } else { "it does not come to rest" };
                 return Err(Unanswered::Unsettled(format!(
-                    "it has moved by {} m, {FAR} times its own size, and nothing stops it",
+                    "it has moved by {} m, {FAR} times its own size, and {why}",
                     number(travelled)
                 )));
             }
         }
         Err(Unanswered::Unsettled(format!("it still moves after {MOST_STEPS} steps")))
+    }
+
+    /// Frees what friction holds together in a deep overlap with forces of any size; how far that moves a shape (m), too. Where nothing overlaps
+    /// so it is stuck, for this reason.
+    fn freed(&mut self, place: Place, why: impl Fn() -> String) -> Result<(Place, f64), Unanswered> {
+        let (place, far) = self.parted(place, true)?;
+        if !(far > STILL * self.model.length_scale()) {
+            return Err(Unanswered::Unsettled(why()));
+        }
+        self.last = None;
+        Ok((place, far))
     }
 
     /// Whether a step leaves less than the last one of this σ did, or there is none.
@@ -380,14 +401,14 @@ impl Search<'_, '_> {
 
     /// Parts what overlaps a little: `min ½ xᵀ(K + σB)x` with `J_n x ≥ −gap`, without friction. In (1) contacts that stick would share the overlap,
     /// and where none parts them all forces grow without end.
-    /// Gives how far that moves a shape (m), too.
-    fn parted(&mut self, mut place: Place) -> Result<(Place, f64), Unanswered> {
+    /// What overlaps deeply is parted as far as a step goes, if it is asked to be. Gives how far that moves a shape (m), too.
+    fn parted(&mut self, mut place: Place, deeply: bool) -> Result<(Place, f64), Unanswered> {
         let (length, mut far) = (self.model.length_scale(), 0.0);
         for _ in 0..MOST_PARTINGS {
             let mut supports = self.supports(&place.q);
             supports.retain(|support| !matches!(support.id, Id::Friction(_)));
             let deepest = supports.iter().map(|support| -support.gap).fold(0.0, f64::max);
-            if CLOSED.hides(deepest, length) || deepest > LITTLE_WAY * length {
+            if CLOSED.hides(deepest, length) || deepest > LITTLE_WAY * length && !deeply {
                 break;
             }
             supports.iter_mut().for_each(|support| support.law = Law::Coulomb { stick: 0.0, slide: 0.0 });
@@ -396,7 +417,7 @@ impl Search<'_, '_> {
             while !self.landscape.factorize(sigma) && sigma.is_finite() {
                 sigma *= 4.0;
             }
-            let ways: Vec<f64> = supports.iter().map(|support| support.gap).collect();
+            let ways: Vec<f64> = supports.iter().map(|support| support.gap.max(-0.25 * self.longest)).collect();
             let rest = vec![0.0; place.force.len()];
             let warm = std::mem::take(&mut self.warm);
             let (full, _) = self.pushed(&rest, &supports, &ways, (NEARLY, MOST_SWEEPS));

@@ -96,3 +96,48 @@ fn a_stage_locks_where_it_comes() {
     let (left, _) = at_stage(&scene, "hold b1", Some(&[1.0, 2.0])).unwrap();
     assert_eq!(held(&left), [0.0, 2.0]);
 }
+
+/// An event that is crossed a few digits before a stage comes at a time, or before the run ends, comes, and its stage with it.
+#[test]
+fn an_event_just_before_an_instant_comes() {
+    for digits in 0..8 {
+        for start in [0.0, 0.3, 1.7] {
+            // At 1 m/s without gravity.
+            let crossed = 0.4_f64;
+            let mut after = crossed;
+            (0..digits).for_each(|_| after = after.next_up());
+            for ends in [false, true] {
+                let mut scene = Description::new("sliding").gravity([0.0; 3]);
+                for name in ["s", "r", "other"] {
+                    let hinge = HingeDescription::prismatic([1.0, 0.0, 0.0]).position([start]).velocity([1.0]);
+                    scene = scene.body(BodyDescription::new(name, hinge).mass(2.0).inertia([0.1; 3]));
+                }
+                let of = WatchedDescription::Hinge { body: "s".to_owned(), coordinate: 0 };
+                let value = start + crossed;
+                scene.events.push(EventDescription {
+                    name: "e".to_owned(),
+                    of,
+                    value,
+                    direction: Direction::Up,
+                    stops: false,
+                });
+                let mut hold = stage(0.0);
+                (hold.name, hold.when) = ("by event".to_owned(), When::Event("e".to_owned()));
+                hold.lock.push("r".to_owned());
+                scene.stages.push(hold);
+                if !ends {
+                    let mut open = stage(after);
+                    open.name = "by time".to_owned();
+                    open.open.push("other".to_owned());
+                    scene.stages.push(open);
+                }
+                let model = build(&scene);
+                let found = super::ran(&model, &given(&model), if ends { after } else { 1.0 });
+                let crossings = found.events.iter().filter(|one| one.kind == Kind::Crossing).count();
+                let what = format!("{digits} digits, from {start}, {ends}: {:?}", found.events);
+                assert!(found.pending.is_empty() && crossings == 1, "{what}");
+                assert!(found.state.velocity[1].abs() < 1e-12, "{what}");
+            }
+        }
+    }
+}
