@@ -376,6 +376,23 @@ fn what_is_at_a_switch_has_no_derivative_and_says_so() {
     }
 }
 
+/// After a stage scenes lack some of their elements: `[parameters]` still move what is left.
+#[test]
+fn parameters_move_what_a_stage_leaves() {
+    let text = "[parameters]\nm = 2.0\n\
+                [[body]]\nname = \"pan\"\nmass = \"{m}\"\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }\n\
+                [[motor]]\nname = \"up\"\ntype = \"constant\"\nhinge = \"pan\"\nforce = 5.0\n\
+                [[stage]]\nname = \"cut\"\nwhen = { time = 1.0 }\nopen = [\"up\"]\n\
+                [[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n";
+    let whole = parse("scene.toml", text, &[]).unwrap().description;
+    let (left, _) = stillpoint::simulate::at_stage(&whole, "cut", None).unwrap();
+    let (model, found) = solved(&left).unwrap();
+    let numbers = Parameter::find(&left, "parameters.m").unwrap();
+    let table = sensitivities(&left, &model, &found, &["z".to_owned()], Some(numbers), &|| true).unwrap();
+    let by = table.derivatives[0][0].unwrap_or_else(|| panic!("{:?}", table.notes));
+    assert!((by + 9.80665 / 100.0).abs() < 1e-9, "{by}");
+}
+
 #[test]
 fn motions_without_stiffness_stay_or_have_no_equilibrium_beside() {
     // A turn about the vertical costs nothing, and nothing but a torque about it pushes that way.
