@@ -393,6 +393,19 @@ fn parameters_move_what_a_stage_leaves() {
     assert!((by + 9.80665 / 100.0).abs() < 1e-9, "{by}");
 }
 
+/// What has a name and no number that an equilibrium is differentiated by says what it is, and the way round.
+#[test]
+fn numbers_of_controllers_are_reached_by_parameters() {
+    let text = "[[body]]\nname = \"x\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }\n\
+                [[motor]]\nname = \"u\"\ntype = \"input\"\nhinge = \"x\"\n\
+                [[controller]]\nname = \"c\"\ntype = \"pid\"\nperiod = 0.01\nsenses = \"q\"\ndrives = \"u\"\nproportional = 10.0\nbias = 3.0\nsetpoint = 0.1\n\
+                [[output]]\nname = \"q\"\ntype = \"coordinate\"\nof = \"x\"\n";
+    let scene = parse("scene.toml", text, &[]).unwrap().description;
+    let refused = Parameter::find(&scene, "c.bias").unwrap_err();
+    assert!(refused.message.contains("`c` is a controller"), "{refused:?}");
+    assert!(refused.help.is_some_and(|help| help.contains("[parameters]")));
+}
+
 #[test]
 fn motions_without_stiffness_stay_or_have_no_equilibrium_beside() {
     // A turn about the vertical costs nothing, and nothing but a torque about it pushes that way.
