@@ -97,6 +97,11 @@ impl Tableau {
         }
     }
 
+    /// Whether it has errors: of all components but those that are no numbers.
+    fn is_known(&self) -> bool {
+        self.row.len() > 1
+    }
+
     /// Whether no distance is better; `floors` are errors that round-off makes over the largest.
     fn is_fine(&self, sizes: &[f64], floors: &[f64]) -> bool {
         if self.stalls >= STALLS {
@@ -145,17 +150,14 @@ pub fn derivative(
                 Err(why) => reason = Some(why),
             }
             if tableau.row.len() > 1 && tableau.is_fine(sizes, &floors) {
-                return Ok(sides.into_iter().map(|(_, tableau)| tableau.best).find(is_known).unwrap_or(central.best));
+                let known = sides.into_iter().map(|(_, tableau)| tableau).find(Tableau::is_known);
+                return Ok(known.unwrap_or(central).best);
             }
         }
     }
     let [(_, after), (_, before)] = sides;
-    let found = [central.best, after.best, before.best].into_iter().find(is_known);
-    found.ok_or_else(|| reason.unwrap_or_else(|| "it cannot be changed".to_owned()))
-}
-
-fn is_known(derivative: &Derivative) -> bool {
-    derivative.error.iter().all(|error| error.is_finite())
+    let found = [central, after, before].into_iter().find(Tableau::is_known);
+    found.map(|known| known.best).ok_or_else(|| reason.unwrap_or_else(|| "it cannot be changed".to_owned()))
 }
 
 #[cfg(test)]
@@ -197,6 +199,14 @@ mod tests {
         let beyond = of(|h| (h.abs() < 0.01).then(|| (1.0 + h).powi(3))).expect("a derivative");
         assert!((beyond.value[0] - 3.0).abs() < 1e-9, "{beyond:?}");
         assert_eq!(of(|h| (h == 0.0).then_some(1.0)).err(), Some("no".to_owned()));
+    }
+
+    /// One component that is no number on one side leaves the others theirs.
+    #[test]
+    fn components_are_known_by_themselves() {
+        let mut of = |h: f64| Ok(vec![h.sqrt(), 3.0 * h]);
+        let found = derivative(&mut of, &[0.0, 0.0], 0.1, (&[1.0, 1.0], &[1e-16, 1e-16])).expect("a derivative");
+        assert!(found.error[0].is_infinite() && (found.value[1] - 3.0).abs() < 1e-12, "{found:?}");
     }
 
     #[test]

@@ -453,6 +453,13 @@ fn wrong_name(description: &Description, verb: Verb, name: &str) -> Option<(Stri
             };
             Some((format!("the hinge of `{name}` cannot close"), Some(help)))
         }
+        Verb::Lock | Verb::Release if description.bodies[body].hinge.lock => {
+            let help = match verb {
+                Verb::Release => "take off `lock = true`: a hinge that a stage releases is locked until then",
+                _ => "take off `lock = true`: a hinge that a stage locks is free until then",
+            };
+            Some((format!("the hinge of `{name}` has `lock = true`, which holds in all stages"), Some(help.to_owned())))
+        }
         Verb::Lock | Verb::Release if all == 0 || plain < all => {
             let help = "a `[[loop]]` of `type = \"fixed\"` holds two bodies as they stand when it closes".to_owned();
             Some((format!("the {} hinge of `{name}` has no coordinates that a lock holds", kind.name()), Some(help)))

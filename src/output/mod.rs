@@ -85,6 +85,13 @@ impl Outputs {
     /// # Errors
     /// The output that is not a finite number.
     pub fn evaluate(&mut self, balanced: &Balanced<'_>, given: &Given<'_>) -> Result<&[f64], Fault> {
+        self.numbers(balanced, given);
+        self.check(balanced.system().model())?;
+        Ok(&self.values[1..])
+    }
+
+    /// As [`Outputs::evaluate`], some of them perhaps not finite.
+    pub fn numbers(&mut self, balanced: &Balanced<'_>, given: &Given<'_>) -> &[f64] {
         let model = balanced.system().model();
         let loops = self.loops(balanced);
         self.values[0] = balanced.time();
@@ -92,12 +99,21 @@ impl Outputs {
             let output = &model.outputs[*index];
             let own = &mut self.scratch[..output.units.len()];
             measure(&output.quantity).value(&At { balanced, given, loops: &loops, values: &self.values }, own);
-            if own.iter().any(|x| !x.is_finite()) {
-                return Err(Fault::NotFinite { what: "the output", element: output.name.clone() });
-            }
             self.values[output.first + 1..][..own.len()].copy_from_slice(own);
         }
-        Ok(&self.values[1..])
+        &self.values[1..]
+    }
+
+    /// Refuses the last [`Outputs::numbers`] if they are not finite.
+    ///
+    /// # Errors
+    /// The output that is not.
+    pub fn check(&self, model: &Model) -> Result<(), Fault> {
+        let mut outputs = self.order.iter().map(|index| &model.outputs[*index]);
+        match outputs.find(|output| self.values[1..][output.range()].iter().any(|x| !x.is_finite())) {
+            Some(output) => Err(Fault::NotFinite { what: "the output", element: output.name.clone() }),
+            None => Ok(()),
+        }
     }
 
     /// The variations (1) of all outputs in one direction, after [`Outputs::evaluate`] at the same place; what [`Varied::others`] has for

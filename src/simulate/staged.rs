@@ -85,13 +85,8 @@ pub fn at_stage(
     let mut structure = Structure::first(whole);
     // Of bodies whose hinges have opened.
     let mut rates: BTreeMap<usize, [f64; 6]> = BTreeMap::new();
-    let describe = |structure: &Structure, rates: &BTreeMap<usize, [f64; 6]>| {
-        let mut scene = structure.describe(whole);
-        rates.iter().for_each(|(body, rates)| scene.bodies[*body].hinge.velocity = rates.to_vec());
-        scene
-    };
     let listed = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-    let mut model = Model::build(&describe(&structure, &rates)).map_err(listed)?;
+    let mut model = Model::build(&structure.describe(whole)).map_err(listed)?;
     let mut at = position.map_or_else(|| model.start_position.clone(), <[f64]>::to_vec);
     let mut locked = Vec::new();
     for stage in 0..=last {
@@ -117,21 +112,30 @@ pub fn at_stage(
             let [linear, angular] = &now.velocities[*body];
             rates.insert(*body, relay::free_rates(&now.poses[*body], linear, angular));
         }
-        let next = Model::build(&describe(&structure, &rates)).map_err(listed)?;
+        let next = Model::build(&with_rates(structure.describe(whole), &rates)).map_err(listed)?;
         at = carried(&now, &velocity, &next, &fresh).position;
         model = next;
     }
-    let mut scene = describe(&structure, &rates);
     let mut said: Vec<String> = locked.into_iter().map(|(_, said)| said).collect();
-    for body in flying::bodies(&model, &structure) {
-        let body = &mut scene.bodies[body];
-        said.push(format!(
-            "`{}` flies: nothing else acts on it, and statics holds it where its hinge opens",
-            body.name
-        ));
-        body.hinge.lock = true;
-    }
+    let flying = flying::bodies(&model, &structure);
+    said.extend(flying.iter().map(|body| {
+        let name = &whole.bodies[*body].name;
+        format!("`{name}` flies: nothing else acts on it, and statics holds it where its hinge opens")
+    }));
+    let left = move |whole: &Description| {
+        let mut scene = with_rates(structure.describe(whole), &rates);
+        flying.iter().for_each(|body| scene.bodies[*body].hinge.lock = true);
+        scene
+    };
+    let mut scene = left(whole);
+    scene.named = whole.named.then(left);
     Ok((scene, said))
+}
+
+/// A scene whose bodies fly at these rates.
+fn with_rates(mut scene: Description, rates: &BTreeMap<usize, [f64; 6]>) -> Description {
+    rates.iter().for_each(|(body, rates)| scene.bodies[*body].hinge.velocity = rates.to_vec());
+    scene
 }
 
 /// The position of a hinge that an event watches for which a stage waits: its place among the coordinates, and its value there.

@@ -66,6 +66,9 @@ pub enum DatasetError {
     /// A file cannot be read or written.
     #[error("cannot write `{0}`: {1}")]
     Write(PathBuf, #[source] io::Error),
+    /// A file is there that would be read as rows.
+    #[error("`{0}` is no part of this dataset: {1}; move it away")]
+    Beside(PathBuf, String),
     /// A part is there and has other rows.
     #[error("`{0}` is no part of this dataset: {1}; move it away, and `--resume` computes the part")]
     Stray(PathBuf, String),
@@ -107,7 +110,7 @@ impl Dataset {
     /// Makes the folder and the manifest, or finds them there. A dataset that is there is continued only if `continues`.
     ///
     /// # Errors
-    /// If the folder holds another dataset or other Parquet files, or cannot be written.
+    /// As [`is_there`](Self::is_there), and if the folder cannot be written.
     pub fn begin(&self, cases: &Cases, continues: bool) -> Result<(), DatasetError> {
         let manifest = self.folder.join(MANIFEST);
         let is_there = self.is_there()?;
@@ -120,12 +123,6 @@ impl Dataset {
         }
         let failed = |error| DatasetError::Write(manifest.clone(), error);
         fs::create_dir_all(&self.folder).map_err(|error| DatasetError::Write(self.folder.clone(), error))?;
-        let entries = fs::read_dir(&self.folder).map_err(failed)?;
-        let is_parquet = |entry: &fs::DirEntry| entry.path().extension().is_some_and(|end| end == "parquet");
-        if entries.filter_map(Result::ok).any(|entry| is_parquet(&entry)) {
-            // Parts of another process that has just begun the dataset: its manifest was there before them.
-            return if self.is_there()? { found() } else { Err(DatasetError::Foreign(self.folder.clone())) };
-        }
         let mut file = Self::locked(&manifest).map_err(failed)?;
         // At once: each of its numbers by itself is a call of the system.
         file.write_all(format!("{:#}\n", self.manifest(cases)).as_bytes()).map_err(failed)?;
@@ -139,8 +136,24 @@ impl Dataset {
     /// Whether the folder holds this dataset.
     ///
     /// # Errors
-    /// If it holds another one.
+    /// If it holds another one, or Parquet files that are no parts of it.
     pub fn is_there(&self) -> Result<bool, DatasetError> {
+        // Before the manifest: parts of another process, which has just begun the dataset, come after theirs.
+        let files = match files(&self.folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            other => other.map_err(|error| DatasetError::Manifest(self.folder.clone(), error.to_string()))?,
+        };
+        if !self.has_manifest()? {
+            return if files.is_empty() { Ok(false) } else { Err(DatasetError::Foreign(self.folder.clone())) };
+        }
+        for path in files {
+            number(&path, self.parts()).map_err(|why| DatasetError::Beside(path, why))?;
+        }
+        Ok(true)
+    }
+
+    /// Whether the manifest of this dataset is there.
+    fn has_manifest(&self) -> Result<bool, DatasetError> {
         let path = self.folder.join(MANIFEST);
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
@@ -198,7 +211,7 @@ impl Dataset {
     }
 
     fn path(&self, part: u64) -> PathBuf {
-        self.folder.join(format!("part-{part:07}.parquet"))
+        self.folder.join(name(part))
     }
 
     /// Whether a part is done.
@@ -213,15 +226,10 @@ impl Dataset {
     pub fn write(&self, part: u64, rows: &[Row]) -> Result<(), DatasetError> {
         let path = self.path(part);
         let failed = |error| DatasetError::Write(path.clone(), error);
+        let bytes = parquet::encoded(&self.columns, rows, &self.origin(part));
+        let bytes = bytes.map_err(|error| DatasetError::Part(path.clone(), error))?;
         let mut file = Self::locked(&path).map_err(failed)?;
-        // Of what the file itself said why it cannot be written.
-        if let Err(error) = parquet::write(&mut file, &self.columns, rows, &self.origin(part)) {
-            return Err(match file.probe() {
-                Err(why) => failed(why),
-                Ok(()) => DatasetError::Part(path.clone(), error),
-            });
-        }
-        file.finish().map_err(failed)
+        file.write_all(&bytes).and_then(|()| file.finish()).map_err(failed)
     }
 
     /// A file of the dataset, under another name and locked for as long as it is written: [`remove_abandoned`](Self::remove_abandoned)
@@ -263,7 +271,7 @@ impl Dataset {
         Origin { study: self.hash.clone(), cases: self.part(part).1 }
     }
 
-    /// Refuses parts that are there and say that they come from elsewhere; how many do not say where they come from, as those of earlier
+    /// Refuses parts that are there and say that they come from elsewhere; how many do not say that or have no sum, as those of earlier
     /// versions.
     ///
     /// # Errors
@@ -273,10 +281,10 @@ impl Dataset {
         for part in parts.filter(|part| self.is_done(*part)) {
             let path = self.path(part);
             // What cannot be read is told of by whoever needs it.
-            let Ok(told) = File::open(&path).map_err(Into::into).and_then(|file| parquet::told(file, false)) else {
+            let Ok(told) = File::open(&path).map_err(Into::into).and_then(parquet::told) else {
                 continue;
             };
-            let says = self.origin(part).check(told.origin.as_ref());
+            let says = self.origin(part).check(&told);
             silent += u64::from(!says.map_err(|why| DatasetError::Stray(path, why))?);
         }
         Ok(silent)
@@ -289,9 +297,9 @@ impl Dataset {
     pub fn failed(&self, part: u64) -> Result<u64, DatasetError> {
         let path = self.path(part);
         let damaged = |why: String| DatasetError::Damaged(path.clone(), why);
-        let read = || parquet::told(File::open(&path)?, true);
-        let told = read().map_err(|error| damaged(error.to_string()))?;
-        self.origin(part).check(told.origin.as_ref()).map_err(|why| DatasetError::Stray(path.clone(), why))?;
+        let told = File::open(&path).map_err(Into::into).and_then(parquet::told);
+        let told = told.map_err(|error| damaged(error.to_string()))?;
+        self.origin(part).check(&told).map_err(|why| DatasetError::Stray(path.clone(), why))?;
         let none = "it does not say how many cases failed: it is no part of a study";
         let failed = told.failed.ok_or_else(|| damaged(none.to_owned()))?;
         match self.part(part).1.count() as u64 {
@@ -301,10 +309,29 @@ impl Dataset {
     }
 }
 
-/// The number of a part, by its name.
-pub(super) fn number(path: &Path) -> Option<u64> {
-    let digits = path.file_name()?.to_str()?.strip_prefix("part-")?.strip_suffix(".parquet")?;
-    digits.parse().ok().filter(|part| digits == format!("{part:07}"))
+/// The Parquet files of a folder, in order.
+pub(super) fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
+    let mut files: Vec<PathBuf> =
+        paths.into_iter().filter(|path| path.extension() == Some("parquet".as_ref())).collect();
+    files.sort();
+    Ok(files)
+}
+
+fn name(part: u64) -> String {
+    format!("part-{part:07}.parquet")
+}
+
+/// The number of a file among so many parts.
+pub(super) fn number(path: &Path, parts: u64) -> Result<u64, String> {
+    let called = path.file_name().and_then(|called| called.to_str());
+    let digits = called.and_then(|called| called.strip_prefix("part-")?.strip_suffix(".parquet"));
+    let number = digits.and_then(|digits| digits.parse().ok());
+    let number = number.filter(|part| *part < parts && called == Some(&name(*part)));
+    number.ok_or_else(|| match parts {
+        1 => format!("its only part is called {}", name(0)),
+        _ => format!("its parts are called {} to {}", name(0), name(parts - 1)),
+    })
 }
 
 /// Of all that the rows follow from: program, plan, question, scenario with everything that it reads, columns.

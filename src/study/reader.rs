@@ -1,6 +1,6 @@
 //! Reading the columns of a dataset, part by part: nothing is kept.
 
-use super::dataset::{MANIFEST, number};
+use super::dataset::{self, MANIFEST};
 use super::parquet::{self as part, Origin};
 use super::sample::Sampling;
 use super::variance::Spread;
@@ -29,7 +29,7 @@ pub struct Reader {
     pub numbers: Vec<(String, String)>,
     /// The words of those of its inputs that are no numbers.
     pub words: Vec<Words>,
-    /// How many of its parts do not say which study they belong to: those of earlier versions.
+    /// How many of its parts do not say which study they belong to or have no sum: those of earlier versions.
     pub silent: usize,
 }
 
@@ -72,10 +72,7 @@ impl Reader {
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let is_number = |column: &&Value| matches!(column["kind"].as_str(), Some("number" | "whole"));
         let columns = texts(&manifest["columns"]);
-        let entries = fs::read_dir(folder).map_err(|error| format!("`{}`: {error}", folder.display()))?;
-        let mut parts: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        parts.retain(|path| path.extension().is_some_and(|end| end == "parquet"));
-        parts.sort();
+        let parts = dataset::files(folder).map_err(|error| format!("`{}`: {error}", folder.display()))?;
         if parts.is_empty() {
             return Err(format!("`{}` has no part yet", folder.display()));
         }
@@ -135,7 +132,8 @@ impl Reader {
             let failed = |error: &dyn std::fmt::Display| format!("`{}`: {error}", path.display());
             let file = File::open(path).map_err(|error| failed(&error))?;
             let damaged = |error: &dyn std::fmt::Display| damaged(path, error);
-            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| damaged(&error))?;
+            let builder = part::guarded(|| ParquetRecordBatchReaderBuilder::try_new(file));
+            let builder = builder.map_err(|error| damaged(&error))?;
             let place = |name: &str| {
                 let fields = builder.schema().fields();
                 let place = fields.iter().position(|field| field.name() == name);
@@ -143,8 +141,8 @@ impl Reader {
             };
             let places = ["ok"].iter().chain(columns).map(|name| place(name)).collect::<Result<Vec<_>, _>>()?;
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
-            for batch in builder.with_projection(mask).build().map_err(|error| failed(&error))? {
-                let batch = batch.map_err(|error| damaged(&error))?;
+            let mut reader = builder.with_projection(mask).build().map_err(|error| failed(&error))?;
+            while let Some(batch) = part::guarded(|| reader.next().transpose()).map_err(|error| damaged(&error))? {
                 let column = |name: &str| {
                     let found = batch.column_by_name(name);
                     found.cloned().ok_or_else(|| failed(&format!("there is no column `{name}`")))
@@ -162,18 +160,16 @@ impl Reader {
 /// they are.
 fn check(parts: &[PathBuf], manifest: &Value) -> Result<usize, String> {
     let study = manifest["hash"].as_str().unwrap_or_default();
-    let [rows, cases] = ["rows_per_part", "cases"].map(|key| manifest[key].as_u64().unwrap_or_default());
+    let [rows, cases] = ["rows_per_part", "cases"].map(|key| manifest[key].as_u64().unwrap_or_default().max(1));
     let mut silent = 0;
     for path in parts {
-        let told = File::open(path).map_err(Into::into).and_then(|file| part::told(file, true));
-        let told = told.map_err(|error| damaged(path, &error))?;
         let stray = |why: &str| format!("`{}` is no part of this dataset: {why}; move it away", path.display());
-        let Some(number) = number(path) else {
-            return Err(stray("the parts are called part-0000000.parquet, part-0000001.parquet, …"));
-        };
-        let begins = number.saturating_mul(rows).min(cases);
-        let wanted = Origin { study: study.to_owned(), cases: begins..begins.saturating_add(rows).min(cases) };
-        silent += usize::from(!wanted.check(told.origin.as_ref()).map_err(|why| stray(&why))?);
+        let number = dataset::number(path, cases.div_ceil(rows)).map_err(|why| stray(&why))?;
+        let told = File::open(path).map_err(Into::into).and_then(part::told);
+        let told = told.map_err(|error| damaged(path, &error))?;
+        let wanted =
+            Origin { study: study.to_owned(), cases: number * rows..(number + 1).saturating_mul(rows).min(cases) };
+        silent += usize::from(!wanted.check(&told).map_err(|why| stray(&why))?);
     }
     Ok(silent)
 }

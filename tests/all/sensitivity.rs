@@ -376,6 +376,118 @@ fn what_is_at_a_switch_has_no_derivative_and_says_so() {
     }
 }
 
+/// Nothing weighs and nothing pushes: the derivatives by forces are there, one output that has none leaves the others alone, and outputs with a kink
+/// have none, whatever number it is by.
+#[test]
+fn what_has_a_kink_has_no_derivative_by_any_number() {
+    let output = |name: &str, of: &str| format!("[[output]]\nname = \"{name}\"\n{of}\n");
+    let expression = |name: &str, of: &str| output(name, &format!("type = \"expression\"\nexpression = \"{of}\""));
+    let directions = "of = { body = \"shaft\", axis = [0, 0, 1] }\nagainst = { body = \"ground\", axis = [0, 0, 1] }";
+    let text = [
+        "gravity = [0.0, 0.0, 0.0]\n[[body]]\nname = \"pan\"\nmass = 2.0\n".to_owned(),
+        "hinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 300.0 }\n".to_owned(),
+        "[[body]]\nname = \"shaft\"\nmass = 2.0\ninertia = [0.1, 0.1, 0.1]\n".to_owned(),
+        "hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]], stiffness = [300.0, 300.0] }\n".to_owned(),
+        output("z", "type = \"coordinate\"\nof = \"pan\""),
+        output("far", "type = \"distance\"\nbetween = [\"pan\", \"ground\"]"),
+        output("tilt", &format!("type = \"angle\"\n{directions}")),
+        expression("size", "abs(z)"),
+        expression("above", "max(z, 0)"),
+        expression("root", "sqrt(z)"),
+        expression("square", "z^2"),
+    ];
+    let names = ["z", "far", "tilt", "size", "above", "root", "square"];
+    let table = answers(&text.concat(), &names).unwrap();
+    // Forces over the stiffness; weights, by the acceleration.
+    for (number, expected) in [("pan.force", 1.0 / 300.0), ("pan.rest", 1.0), ("gravity[2]", 2.0 / 300.0)] {
+        let found = derivative(&table, 0, number).unwrap_or(f64::NAN);
+        assert!((found - expected).abs() < 1e-9, "{number}: {found} for {expected}");
+        for output in [1, 3, 4, 5] {
+            assert_eq!(derivative(&table, output, number), None, "{} by {number}", names[output]);
+        }
+        assert_eq!(derivative(&table, 6, number), Some(0.0));
+        let said = format!("no derivative of `size` by `{number}`: it has a kink here");
+        assert!(table.notes.contains(&said), "{:?}", table.notes);
+    }
+    for number in ["shaft.force[0]", "shaft.rest[1]"] {
+        assert_eq!(derivative(&table, 2, number), None, "tilt by {number}");
+        assert_eq!(derivative(&table, 0, number), Some(0.0));
+    }
+}
+
+/// Components that are zero but for rounding stay so: the size of an output is that of all its components.
+#[test]
+fn components_of_nothing_but_rounding_have_derivative_zero() {
+    let text = "[[body]]\nname = \"b\"\nmass = 1.0\ncenter = [0, 0.3, 0.1]\nmarkers = { m = [0, 0, 0.3] }\n\
+                hinge = { type = \"revolute\", axis = [1, 0, 0], stiffness = 40.0, rest = -0.063 }\n\
+                [[body]]\nname = \"c\"\nmass = 0.4\ncenter = [0, 0.1, 0.2]\n\
+                hinge = { type = \"revolute\", parent = \"b\", at = \"m\", rpy = [-0.7380, 0.781, -0.557], axis = [0.6, 0, 0.8], stiffness = 20.0 }\n\
+                [[body]]\nname = \"d\"\nmass = 0.4\ncenter = [0, 0.1, 0.2]\n\
+                hinge = { type = \"revolute\", parent = \"b\", rpy = [0.3, 0, 0], axis = [1, 0, 0], stiffness = 20.0 }\n\
+                [[output]]\nname = \"o\"\ntype = \"orientation\"\nof = \"d\"\n";
+    let table = answers(text, &["o"]).unwrap();
+    for number in &table.parameters {
+        for component in [2, 3] {
+            assert!(table.outputs[component].value.abs() < 1e-15);
+            let found = derivative(&table, component, &number.address);
+            assert_eq!(found, Some(0.0), "o[{component}] by {}: {:?}", number.address, table.notes);
+        }
+    }
+}
+
+/// After a stage scenes lack some of their elements: `[parameters]` still move what is left.
+#[test]
+fn parameters_move_what_a_stage_leaves() {
+    let text = "[parameters]\nm = 2.0\n\
+                [[body]]\nname = \"pan\"\nmass = \"{m}\"\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }\n\
+                [[motor]]\nname = \"up\"\ntype = \"constant\"\nhinge = \"pan\"\nforce = 5.0\n\
+                [[stage]]\nname = \"cut\"\nwhen = { time = 1.0 }\nopen = [\"up\"]\n\
+                [[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n";
+    let whole = parse("scene.toml", text, &[]).unwrap().description;
+    let (left, _) = stillpoint::simulate::at_stage(&whole, "cut", None).unwrap();
+    let (model, found) = solved(&left).unwrap();
+    let numbers = Parameter::find(&left, "parameters.m").unwrap();
+    let table = sensitivities(&left, &model, &found, &["z".to_owned()], Some(numbers), &|| true).unwrap();
+    let by = table.derivatives[0][0].unwrap_or_else(|| panic!("{:?}", table.notes));
+    assert!((by + 9.80665 / 100.0).abs() < 1e-9, "{by}");
+}
+
+/// What has a name and no number that an equilibrium is differentiated by says what it is, and the way round.
+#[test]
+fn numbers_of_controllers_are_reached_by_parameters() {
+    let text = "[[body]]\nname = \"x\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }\n\
+                [[motor]]\nname = \"u\"\ntype = \"input\"\nhinge = \"x\"\n\
+                [[controller]]\nname = \"c\"\ntype = \"pid\"\nperiod = 0.01\nsenses = \"q\"\ndrives = \"u\"\nproportional = 10.0\nbias = 3.0\nsetpoint = 0.1\n\
+                [[output]]\nname = \"q\"\ntype = \"coordinate\"\nof = \"x\"\n";
+    let scene = parse("scene.toml", text, &[]).unwrap().description;
+    let refused = Parameter::find(&scene, "c.bias").unwrap_err();
+    assert!(refused.message.contains("`c` is a controller"), "{refused:?}");
+    assert!(refused.help.is_some_and(|help| help.contains("[parameters]")));
+}
+
+/// Frequencies that are near to each other have derivatives of their own as far as rounding leaves their shapes apart; then they are not called
+/// equal if they are printed as two numbers.
+#[test]
+fn near_frequencies_are_told_from_equal_ones() {
+    let pan = |name: &str, y: f64, stiffness: f64| {
+        let hinge =
+            format!("{{ type = \"prismatic\", at = [0, {y:?}, 0], axis = [1, 0, 0], stiffness = {stiffness:?} }}");
+        format!("[[body]]\nname = \"{name}\"\nmass = 1.0\nhinge = {hinge}\n")
+    };
+    let of = |stiffness: f64| {
+        let text = format!("{}{}", pan("a", 0.0, 100.0), pan("b", 2.0, stiffness));
+        answers(&text, &["frequency[0]"]).unwrap()
+    };
+    // 2π f = √(k / m).
+    let expected = 0.5 / 100.0 * 10.0 / std::f64::consts::TAU;
+    let table = of(100.0001);
+    let by = derivative(&table, 0, "a.stiffness").unwrap_or_else(|| panic!("{:?}", table.notes));
+    assert!((by - expected).abs() < 1e-8 * expected, "{by} for {expected}");
+    let [near, equal] = [100.0 + 1e-10, 100.0].map(|stiffness| of(stiffness).notes.join("\n"));
+    assert!(near.contains("so near to `frequency[1]`") && !near.contains("equals"), "{near}");
+    assert!(equal.contains("it equals `frequency[1]`"), "{equal}");
+}
+
 #[test]
 fn motions_without_stiffness_stay_or_have_no_equilibrium_beside() {
     // A turn about the vertical costs nothing, and nothing but a torque about it pushes that way.

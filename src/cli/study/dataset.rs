@@ -113,10 +113,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// What is said of parts that do not say which study they belong to.
+/// What is said of parts that do not say which study they belong to, or have no sum.
 pub(in super::super) fn silent(parts: u64) -> String {
     format!(
-        "{} not say which study they belong to, as those of earlier versions: taken as parts of this one",
+        "{} not say which study they belong to or what the sum of their bytes is, as those of earlier versions: taken as undamaged parts of this one",
         count(parts as usize, "part does", "parts do")
     )
 }

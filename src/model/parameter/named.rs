@@ -51,6 +51,13 @@ impl NamedNumbers {
         Self { list, ..Self::default() }
     }
 
+    /// Named numbers of what `part` makes of the description.
+    #[must_use]
+    pub fn then(&self, part: impl Fn(&Description) -> Description + Send + Sync + 'static) -> Self {
+        let remake = self.remake.clone().map(|remake| -> Remake { Arc::new(move |set| Ok(part(&remake(set)?))) });
+        Self { remake, ..self.clone() }
+    }
+
     /// All of them.
     pub fn list(&self) -> &[NamedNumber] {
         &self.list

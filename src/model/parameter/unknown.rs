@@ -27,6 +27,8 @@ fn of_others(description: &Description, address: &str) -> Option<UnknownAddress>
         ("output", description.outputs.iter().map(|one| &one.name).collect()),
         ("event", description.events.iter().map(|one| &one.name).collect()),
         ("contact", description.contacts.iter().map(|one| &one.name).collect()),
+        ("controller", description.controllers.iter().map(|one| &one.name).collect()),
+        ("stage", description.stages.iter().map(|one| &one.name).collect()),
     ];
     let (kind, _) = kinds.into_iter().find(|(_, names)| names.iter().any(|one| one.as_str() == name))?;
     let article = if matches!(kind, "output" | "event") { "an" } else { "a" };

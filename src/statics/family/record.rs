@@ -15,6 +15,8 @@ pub(in crate::statics) struct Record {
     pub reactions: Vec<Wrench>,
     pub potential: f64,
     pub outputs: Vec<f64>,
+    /// The output that is not a finite number, if there is one.
+    pub fault: Option<Fault>,
     /// Unbalanced forces of the free coordinates.
     pub force: Vec<f64>,
     /// Of each shape that was asked for.
@@ -58,12 +60,10 @@ impl Moving<'_> {
                 account,
                 powers,
             };
-            let outputs = match &mut asked {
-                Some(asked) => asked.evaluate(&balanced, &given)?.to_vec(),
-                None => Vec::new(),
-            };
+            let outputs = asked.as_mut().map_or_else(Vec::new, |asked| asked.numbers(&balanced, &given).to_vec());
+            let fault = asked.and_then(|asked| asked.check(balanced.system().model()).err());
             at.poses(&mut poses);
-            Ok(Record { poses, reactions, potential, outputs, force, curvatures })
+            Ok(Record { poses, reactions, potential, outputs, fault, force, curvatures })
         })
     }
 }

@@ -404,6 +404,7 @@ impl<'a> Tracer<'a> {
         wanted: bool,
     ) -> Result<(), String> {
         let record = self.moving.record(&point.place.q, point.parameter, &[])?;
+        record.fault.map_or(Ok(()), |fault| Err(fault.to_string()))?;
         let verdict = match (count.unstable, count.neutral) {
             (0, 0) => StabilityVerdict::Stable,
             (0, _) => StabilityVerdict::Neutral,

@@ -53,8 +53,8 @@ const HALVES: f64 = 0.5;
 const MOST_ROUNDS: usize = 3;
 /// Forces that change along (2) by more than this part of ∂f/∂p disprove (1).
 const PROVED: f64 = 1e-6;
-/// Frequencies that differ by less than this part are one: its derivative is no single number.
-const REPEATED: f64 = 1e-6;
+/// A frequency of a shape is that of the mode if they differ by less than this part.
+const SAME: f64 = 1e-6;
 
 /// Why there is no derivative where differences do not settle.
 const ROUGH: &str = "the forces do not change smoothly with it";
@@ -174,12 +174,17 @@ pub fn sensitivities(
     let set = bearing::borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
     let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
-    let adjoint = Adjoint::of(&mut study, parameters.len(), go_on);
+    // Nothing is differentiated if no row has derivatives.
+    let differentiates = study.without.iter().any(Option::is_none);
+    let adjoint = if differentiates { Adjoint::of(&mut study, parameters.len(), go_on) } else { None };
     for (one, number) in parameters.iter().zip(&numbers) {
         if !go_on() {
             return Err(SensitivityError::Interrupted);
         }
-        let column = adjoint.as_ref().and_then(|adjoint| adjoint.by(&mut study, one, number.value));
+        let column = match differentiates {
+            true => adjoint.as_ref().and_then(|adjoint| adjoint.by(&mut study, one, number.value)),
+            false => Some(vec![None; rows.len()]),
+        };
         columns.push(column.unwrap_or_else(|| study.by(one, number)));
     }
     let Study { mut notes, without, .. } = study;
@@ -217,6 +222,8 @@ struct Study<'a> {
     units: Vec<f64>,
     /// How large the forces are that cancel.
     forces: Vec<f64>,
+    /// The largest of them; where they are round-off, what the stiffness bears over a radian or the scene's length.
+    largest: f64,
     /// Round-off of `center`.
     noise: Vec<f64>,
     /// The free coordinates over one radian or the scene's length.
@@ -253,6 +260,9 @@ impl<'a> Study<'a> {
         let slides = (0..model.velocity_count()).filter(|i| !moving.model().coordinates[*i].lock);
         let length = moving.length();
         let levers: Vec<f64> = slides.map(|i| if moving.slides(i) { length } else { 1.0 }).collect();
+        let stiff = place.scales.stiffness.iter().zip(&levers).map(|(k, lever)| k * lever);
+        let [most, stiffest] =
+            [place.scales.force.clone(), stiff.collect()].map(|all| all.into_iter().fold(0.0_f64, f64::max));
         let mut noise = place.scales.noise;
         if model.is_constrained() {
             // Loops are closed to round-off, and what is stiff feels that.
@@ -267,6 +277,7 @@ impl<'a> Study<'a> {
             center: Vec::new(),
             units: Vec::new(),
             forces: place.scales.force,
+            largest: if most > ZERO * stiffest { most } else { stiffest },
             noise,
             levers,
             neutral: stability.is_some_and(|stability| stability.neutral_directions > 0),
@@ -279,30 +290,27 @@ impl<'a> Study<'a> {
         };
         let none = vec![0.0; study.levers.len()];
         study.center = study.along(&none, 0.0, 0.0).map_err(SensitivityError::Failed)?;
-        let largest = study.largest();
-        for ((output, value), (row, without)) in
-            outputs.iter_mut().zip(&study.center).zip(rows.iter().zip(&mut study.without))
+        let all = study.moving.record(q, 0.0, &[]).map_err(SensitivityError::Failed)?.outputs;
+        let sizes: Vec<f64> = rows.iter().zip(&study.center).map(|(row, x)| row.size(model, &all, *x)).collect();
+        for (((output, value), size), (row, without)) in
+            outputs.iter_mut().zip(&study.center).zip(&sizes).zip(rows.iter().zip(&mut study.without))
         {
             match row {
                 Row::Output(_) => output.value = *value,
-                Row::Frequency(_) if (value / output.value - 1.0).abs() < REPEATED => output.value = *value,
+                Row::Frequency(_) if (value / output.value - 1.0).abs() < SAME => output.value = *value,
                 Row::Frequency(_) => {
                     *without = Some("rows that are linearly dependent do not determine it".to_owned());
                 }
                 Row::Without(_) => {}
             }
             let quantity = Quantity::of_unit(&output.unit).unwrap_or(Quantity::Plain);
-            study.units.push(unit(quantity, *value, model, largest).max(value.abs()));
+            study.units.push(unit(quantity, *size, model, study.largest).max(*size));
         }
         study.noise = study.units.iter().map(|unit| f64::EPSILON * unit).chain(study.noise).collect();
         if study.neutral {
             study.notes.push("along zero-stiffness directions the equilibrium is taken to stay where it is".to_owned());
         }
         Ok(study)
-    }
-
-    fn largest(&self) -> f64 {
-        self.forces.iter().fold(0.0_f64, |m, f| m.max(*f))
     }
 
     /// The rows and the unbalanced forces at `q ⊞ h slope` with the number that moves at `value + h`.
@@ -347,7 +355,7 @@ impl<'a> Study<'a> {
 
     /// The unit of a number: the scene's own size of such a one, or its own.
     fn unit(&self, one: &Parameter, value: f64) -> f64 {
-        unit(one.quantity, value, self.model, self.largest()).max(value.abs())
+        unit(one.quantity, value, self.model, self.largest).max(value.abs())
     }
 
     /// (1): `dq/dp` in the free coordinates, and how forces change at fixed coordinates.

@@ -1,7 +1,8 @@
 //! What is differentiated: numbers of outputs, and frequencies by the shapes of their modes.
 
-use super::{REPEATED, Response, SensitivityError};
+use super::{KNOWN, Response, SensitivityError};
 use crate::model::Model;
+use crate::round_off::FORCE;
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::certify::modes::NaturalMode;
 use crate::statics::certify::stability::Stability;
@@ -18,6 +19,22 @@ pub(super) enum Row {
 }
 
 impl Row {
+    /// How large its numbers are beside which its value `x` may be round-off: that of an output with several is the largest of those that
+    /// have its unit.
+    pub(super) fn size(&self, model: &Model, all: &[f64], x: f64) -> f64 {
+        let Self::Output(place) = self else { return x.abs() };
+        let own = model.outputs.iter().filter(|output| output.range().contains(place));
+        let numbers = own.flat_map(|output| {
+            let unit = &output.units[*place - output.first];
+            output
+                .range()
+                .zip(&output.units)
+                .filter(move |(_, other)| *other == unit)
+                .map(|(other, _)| all[other].abs())
+        });
+        numbers.fold(0.0, f64::max)
+    }
+
     /// Its shape.
     pub(super) fn shape(&self) -> Option<&[f64]> {
         match self {
@@ -82,9 +99,23 @@ fn without(model: &Model, found: &Equilibrium, index: usize, modes: &[&NaturalMo
             "frequencies have derivatives here only if all loads have a potential and nothing spins".to_owned(),
         );
     }
-    let near = |other: &usize| (modes[*other].frequency_hz / frequency - 1.0).abs() < REPEATED;
-    let twin = (0..modes.len()).filter(|other| *other != index).find(near)?;
-    Some(format!("the frequency is repeated, so it has no derivative: it equals `frequency[{twin}]`, {frequency} Hz"))
+    // Shapes of modes are mixed by the round-off of the stiffness over the distance of their squares.
+    let square = |mode: &NaturalMode| mode.frequency_hz.powi(2);
+    let largest = modes.iter().map(|mode| square(mode)).fold(0.0, f64::max);
+    let apart = |other: &usize| (square(modes[*other]) - square(modes[index])).abs();
+    let nearest = (0..modes.len()).filter(|other| *other != index).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    if KNOWN * apart(&nearest) > FORCE.of(largest) {
+        return None;
+    }
+    let other = modes[nearest].frequency_hz;
+    Some(match other == frequency {
+        true => {
+            format!("the frequency is repeated, so it has no derivative: it equals `frequency[{nearest}]`, {other} Hz")
+        }
+        false => format!(
+            "its {frequency} Hz are so near to `frequency[{nearest}]`, {other} Hz, that rounding mixes the two shapes: no derivative is known"
+        ),
+    })
 }
 
 /// Shape of a mode, in velocity coordinates.

@@ -12,6 +12,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
+use stillpoint::study::parquet::told;
 
 /// The files of a dataset with this ending, in order.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
@@ -366,6 +367,62 @@ fn a_damaged_part_is_told_and_made_again() {
     }
 }
 
+/// One bit of a part is another, wherever: that is told before anything is read from it.
+#[test]
+fn every_flipped_bit_of_a_part_is_told() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let fixed =
+        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "16", "--out", "d", "--part-rows", "8"];
+    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    call(&[]).code(0);
+    let part = bench.path().join("d/part-0000001.parquet");
+    let whole = std::fs::read(&part).expect("a part");
+    let flip = |at: usize| {
+        let mut flipped = whole.clone();
+        flipped[at] ^= 1 << (at % 8);
+        std::fs::write(&part, flipped).expect("damaged");
+    };
+    for at in 0..whole.len() {
+        flip(at);
+        assert!(told(File::open(&part).expect("a part")).is_err(), "byte {at} of {}", whole.len());
+    }
+    for at in (0..whole.len()).step_by(whole.len() / 10) {
+        flip(at);
+        let missing = call(&["--missing"]).code(0);
+        assert_eq!(missing.out.trim(), "1", "byte {at}");
+        for error in [missing.err, call(&["--resume"]).code(2).err, bench.call(&["study", "d"]).code(2).err] {
+            assert!(error.contains("part-0000001.parquet` is damaged") && error.contains("delete it"), "{at}: {error}");
+        }
+    }
+}
+
+/// Files in the folder that would be read as rows and are no parts are refused by whoever comes to it, as are parts without a manifest.
+#[test]
+fn files_beside_the_parts_are_refused() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let fixed =
+        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
+    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    call(&[]).code(0);
+    let folder = bench.path().join("d");
+    for name in ["part-0000099.parquet", "part-3.parquet", "copy of part-0000003.parquet", "part-0000005.parquet"] {
+        std::fs::copy(folder.join("part-0000003.parquet"), folder.join(name)).expect("copied");
+        for answer in [call(&["--missing"]), call(&["--resume"]), bench.call(&["study", "d"])] {
+            let error = answer.code(2).err;
+            assert!(error.contains(&format!("{name}` is no part of this dataset")) && error.contains("move it away"));
+            assert!(error.contains("part-0000000.parquet to part-0000004.parquet"), "{error}");
+        }
+        std::fs::remove_file(folder.join(name)).expect("removed");
+    }
+    call(&["--resume"]).code(0);
+    std::fs::rename(folder.join("_study.json"), folder.join("other.json")).expect("renamed");
+    for answer in [call(&["--missing"]), call(&["--resume"]), bench.call(&["study", "d"])] {
+        assert!(answer.code(2).err.contains("_study.json`"));
+    }
+}
+
 /// A part under the name of another, one of another plan, and one that no plan has are refused by whoever comes to them, by name; what they
 /// stand for is computed once they are away.
 #[test]
@@ -395,13 +452,9 @@ fn parts_of_another_study_are_refused() {
     std::fs::remove_file(place("d/part-0000002.parquet")).expect("removed");
     call("d", own, &["--resume"]).code(0);
     assert_eq!(rows(&place("d")), exact);
-    // A copy beside the parts would be read as rows.
-    std::fs::copy(place("d/part-0000002.parquet"), place("d/copy.parquet")).expect("copied");
-    let error = bench.call(&["study", "d"]).code(2).err;
-    assert!(error.contains("copy.parquet` is no part of this dataset"), "{error}");
 }
 
-/// Parts of earlier versions do not say what they belong to: they count, and it is said.
+/// Parts of earlier versions do not say what they belong to and have no sum: they count, and it is said.
 #[test]
 fn parts_that_do_not_say_what_they_are_are_told() {
     let bench = Bench::new();

@@ -21,6 +21,11 @@ fn stages_that_cannot_be_are_told_with_their_line() {
     let named = |name: &str, when: &str, verb: &str| {
         format!("[[stage]]\nname = \"{name}\"\nwhen = {when}\n{verb} = [\"arm\"]\n")
     };
+    let locked = |verb: &str| {
+        let hinge = "hinge = { type = \"prismatic\", axis = [0, 0, 1], lock = true }";
+        let pin = format!("[[body]]\nname = \"pin\"\nmass = 1.0\n{hinge}\n");
+        pin + &stage(&format!("when = {{ time = 0.5 }}\n{verb} = [\"pin\"]"))
+    };
     let cases = [
         (stage("when = { time = 0.5 }\nopen = [\"amr\"]"), "did you mean `arm`?", "| open = [\"amr\"]"),
         (stage("when = { time = -0.5 }\nopen = [\"arm\"]"), "time", "| when"),
@@ -75,6 +80,8 @@ fn stages_that_cannot_be_are_told_with_their_line() {
             "never comes: the run ends at its event `low`",
             "| when",
         ),
+        (locked("release"), "the hinge of `pin` has `lock = true`, which holds in all stages", "| release"),
+        (locked("lock"), "the hinge of `pin` has `lock = true`, which holds in all stages", "| lock = [\"pin\"]"),
     ];
     for (stages, words, place) in cases {
         let text = said(&stages);
