@@ -13,7 +13,7 @@ use super::Unanswered;
 use super::closed::Scene;
 use super::settle::way;
 use super::supports::{Bearers, load};
-use crate::contact::support::Limit;
+use crate::contact::support::{Limit, Undecided};
 use crate::model::Model;
 use crate::statics::search::{Observers, equilibrium_observed};
 use crate::statics::settings::Settings;
@@ -56,8 +56,18 @@ impl Following<'_> {
     pub(super) fn end(&self, unit: f64, upwards: bool) -> Result<Option<Limit>, Unanswered> {
         let sense = if upwards { 1.0 } else { -1.0 };
         let mut here = State { value: 0.0, model: (self.at)(0.0)?, pose: self.pose.to_vec() };
+        let mut before: Option<State> = None;
         for _ in 0..MOST_STEPS {
-            let Some(Limit { mut value, motion }) = self.tangent(&here, sense * STEP * unit, upwards)? else { break };
+            let tangent = match (self.tangent(&here, sense * STEP * unit, upwards), before.take()) {
+                // A step has gone beyond the end by so little that no program decides it: it ends halfway.
+                (Err(Unanswered::Undecided(Undecided::Inexact { .. })), Some(last)) => {
+                    let Some(middle) = self.state(0.5 * (last.value + here.value), &last.pose)? else { break };
+                    (here, before) = (middle, Some(last));
+                    continue;
+                }
+                (tangent, _) => tangent?,
+            };
+            let Some(Limit { mut value, motion }) = tangent else { break };
             let is_end = match value.is_finite() {
                 true => value.abs() <= FOUND * unit.max((here.value + value).abs()),
                 false => here.value.abs() >= ENDLESS * unit,
@@ -65,9 +75,9 @@ impl Following<'_> {
             if is_end {
                 return Ok(Some(Limit { value: here.value + value, motion }));
             }
-            if value.is_infinite() {
-                value = sense * unit.max(here.value.abs());
-            }
+            // The tangent says little of what is further away.
+            let most = unit.max(here.value.abs());
+            value = value.clamp(-most, most);
             if let Some(end) = self.least.filter(|end| here.value + value <= *end) {
                 let near = end + FOUND * unit;
                 if near >= here.value || self.state(near, &here.pose)?.is_some() {
@@ -80,7 +90,7 @@ impl Following<'_> {
                 self.state(part, &here.pose).transpose()
             });
             let Some(found) = tried.transpose()? else { break };
-            here = found;
+            before = Some(std::mem::replace(&mut here, found));
         }
         match here.value {
             0.0 => Ok(None),

@@ -83,6 +83,8 @@ struct Search<'l, 's> {
     /// The longest step of a shape (m).
     longest: f64,
     sigma: f64,
+    /// Where σ begins, and begins again after what overlaps deeply has been freed.
+    first_sigma: f64,
     warm: Vec<(Id, Vector3<f64>)>,
     /// Whether the last step was short, or left little.
     close: bool,
@@ -141,6 +143,7 @@ pub(super) fn settle(
         pairs,
         longest,
         sigma,
+        first_sigma: sigma,
         warm: Vec::new(),
         close: false,
         last: None,
@@ -224,6 +227,7 @@ impl Search<'_, '_> {
     /// Frees what friction holds together in a deep overlap with forces of any size; how far that moves a shape (m), too. Where nothing overlaps
     /// so it is stuck, for this reason.
     fn freed(&mut self, place: Place, why: impl Fn() -> String) -> Result<(Place, f64), Unanswered> {
+        self.sigma = self.first_sigma;
         let (place, far) = self.parted(place, true)?;
         if !(far > STILL * self.model.length_scale()) {
             return Err(Unanswered::Unsettled(why()));
