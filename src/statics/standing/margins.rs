@@ -167,12 +167,16 @@ fn squeezed(
 /// Beyond which tilt a scene begins to stand only if it has been squeezed.
 fn squeezed_tilt(stands: Standing<'_>, unsqueezed: &Bearers, ends: &[(String, f64, Vec<f64>)]) -> Vec<String> {
     let Ok(without) = tilt(stands, unsqueezed) else { return Vec::new() };
-    let less = without.iter().zip(ends).filter(|((_, own, _), (_, end, _))| end - own > ONE * own.max(1e-9));
-    let note = |((way, own, _), _): (&(String, f64, Vec<f64>), &(String, f64, Vec<f64>))| {
-        let angle = significant(own.atan().to_degrees(), 4);
-        format!("tilted by more than {angle}° towards {way} it stands only if it has been squeezed (wedged)")
-    };
-    less.map(note).collect()
+    let mut notes = Vec::new();
+    for ((way, own, _), (_, end, _)) in without.iter().zip(ends) {
+        if end - own > ONE * own.max(1e-9) {
+            let angle = significant(own.atan().to_degrees(), 4);
+            notes.push(format!(
+                "tilted by more than {angle}° towards {way} it stands only if it has been squeezed (wedged)"
+            ));
+        }
+    }
+    notes
 }
 
 /// How the load changes with a number.
