@@ -409,8 +409,10 @@ fn the_time_of_a_check_is_proportional_to_the_scene() {
             };
             (0..3).map(|_| once()).fold(f64::INFINITY, f64::min)
         };
-        let (small, large) = (time(count), time(4 * count));
-        assert!(large < 8.0 * small, "{count}: {small} s, four times as many {large} s");
+        // What else the machine does may take most of one measurement, and not of all; what is quadratic takes 16 times in each.
+        let measured: Vec<[f64; 2]> = (0..3).map(|_| [time(count), time(4 * count)]).collect();
+        let is_proportional = measured.iter().any(|[small, large]| *large < 8.0 * small);
+        assert!(is_proportional, "{count} and four times as many: {measured:?} s");
     }
 }
 
