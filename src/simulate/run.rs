@@ -221,7 +221,7 @@ impl<'m, 'f> Run<'m, 'f> {
         let mut ledger = Ledger::new(model, begin, before).going_on(booked);
         ledger.lose(outcome.lost);
         ledger.put_in(outcome.work);
-        let goes_on = booked.is_some_and(|booked| booked.has_run);
+        let goes_on = settings.resume.is_some();
         let mut events = Events::new(model, &state, search, (settings.absolute_tolerance, goes_on));
         if let Some(events) = &mut events {
             // What a stop pushes with from the start is no event.

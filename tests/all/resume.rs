@@ -73,6 +73,36 @@ fn fixed_steps_go_on_bit_for_bit() {
     assert!(cases > 40, "{cases}");
 }
 
+/// An event that is crossed within some digits of where a run ends and another goes on is told once, by one of them.
+#[test]
+fn an_event_where_a_run_goes_on_is_told_once() {
+    for digits in -6..=6 {
+        let mut value = 0.4_f64;
+        (0..i32::abs(digits)).for_each(|_| value = if digits > 0 { value.next_up() } else { value.next_down() });
+        for direction in [1.0, -1.0] {
+            let hinge = HingeDescription::prismatic([1.0, 0.0, 0.0]).velocity([direction]);
+            let of = WatchedDescription::Hinge { body: "s".to_owned(), coordinate: 0 };
+            let mut scene =
+                Description::new("sliding").gravity([0.0; 3]).body(BodyDescription::new("s", hinge).mass(2.0));
+            scene.events.push(EventDescription {
+                name: "e".to_owned(),
+                of,
+                value: direction * value,
+                direction: Direction::Both,
+                stops: false,
+            });
+            let model = build(&scene);
+            let begin = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+            let part = Settings { start: simulate::Start::Given, duration: 0.4, ..Settings::default() };
+            let half = run(&model, &part, &begin);
+            let rest = run(&model, &Settings { resume: Some(half.resume), duration: 0.6, ..part }, &half.state);
+            let crossings = |done: &Summary| done.events.iter().filter(|one| one.name == "e").count();
+            let told = [crossings(&half), crossings(&rest)];
+            assert_eq!(told[0] + told[1], 1, "{digits} digits, {direction}: {told:?}");
+        }
+    }
+}
+
 /// A run that ends at an instant of its controller, as the user writes it, goes on bit for bit: 24 · 12.5 ms is not 0.3 s in doubles.
 #[test]
 fn fixed_steps_between_instants_go_on_bit_for_bit() {

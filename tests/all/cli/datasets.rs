@@ -326,15 +326,17 @@ fn any_threads_and_any_shards_give_the_same_rows() {
     assert!(rows(&bench.path().join("seed")).iter().zip(&exact).all(|(a, b)| a["pan.mass"] != b["pan.mass"]));
 }
 
+/// A dataset of 40 cases in five parts, in `d`.
+const FIVE_PARTS: [&str; 10] =
+    ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
+
 /// A part that was cut off, damaged at its end or within its numbers, or is none is told, with what to do, by whoever comes to it; done so, the dataset
 /// is whole again.
 #[test]
 fn a_damaged_part_is_told_and_made_again() {
     let bench = Bench::new();
     bench.write("scale.toml", SCALE);
-    let fixed =
-        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
-    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    let call = |more: &[&str]| bench.call(&[&FIVE_PARTS[..], more].concat());
     call(&[]).code(0);
     let exact = rows(&bench.path().join("d"));
     let part = bench.path().join("d/part-0000002.parquet");
@@ -402,9 +404,7 @@ fn every_flipped_bit_of_a_part_is_told() {
 fn files_beside_the_parts_are_refused() {
     let bench = Bench::new();
     bench.write("scale.toml", SCALE);
-    let fixed =
-        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
-    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    let call = |more: &[&str]| bench.call(&[&FIVE_PARTS[..], more].concat());
     call(&[]).code(0);
     let folder = bench.path().join("d");
     for name in ["part-0000099.parquet", "part-3.parquet", "copy of part-0000003.parquet", "part-0000005.parquet"] {
@@ -459,9 +459,7 @@ fn parts_of_another_study_are_refused() {
 fn parts_that_do_not_say_what_they_are_are_told() {
     let bench = Bench::new();
     bench.write("scale.toml", SCALE);
-    let fixed =
-        ["sweep", "scale.toml", "--vary", "pan.mass=normal(2,0.3)", "--cases", "40", "--out", "d", "--part-rows", "8"];
-    let call = |more: &[&str]| bench.call(&[&fixed[..], more].concat());
+    let call = |more: &[&str]| bench.call(&[&FIVE_PARTS[..], more].concat());
     call(&[]).code(0);
     let exact = rows(&bench.path().join("d"));
     let part = bench.path().join("d/part-0000002.parquet");
