@@ -124,6 +124,8 @@ pub const FORCE: RoundOff = RoundOff::units(16.0);
 /// A sum of force terms, beside the root of the sum of their squares: that is the error to expect. Of scissors of 3 to 40 stages the
 /// residual was a quarter of this.
 pub const EXPECTED_FORCE: RoundOff = RoundOff::units(4.0);
+/// Stiffness that rounding of a position leaves of forces that cancel, beside the stiffest.
+pub const STIFFNESS: RoundOff = RoundOff::units(4.0);
 /// What forces lack to a balance, as part of those that cancel in it: poses are settled to a dozen digits.
 pub const LOAD: RoundOff = RoundOff(1e-12);
 /// What supports have to bear, likewise: of 160 capsules and cylinders that settled in funnels one lacked 3e-12.

@@ -117,6 +117,8 @@ pub struct Supports {
     units: Vec<f64>,
     /// What the forces of each support are multiplied with to be compared with each other, likewise.
     levers: Vec<f64>,
+    /// Sizes of the terms that the loads of the velocity coordinates are sums of (N, N m); empty if they are not known.
+    terms: Vec<f64>,
     rims: Vec<RimSupport>,
     /// Points of rims that were added: see [`Supports::added`].
     added: Vec<(usize, f64)>,
@@ -126,6 +128,11 @@ impl Supports {
     /// None yet, for velocity coordinates with these units: 1 for slides, the scene's length (m) for turns.
     pub fn new(units: Vec<f64>) -> Self {
         Self { rows: units.len(), units, ..Self::default() }
+    }
+
+    /// With the sizes of the terms that loads are sums of (N, N m): what nearly cancels is no light body.
+    pub fn with_terms(self, terms: Vec<f64>) -> Self {
+        Self { terms, ..self }
     }
 
     /// Adds one with its columns of `G`; `lever` is 1 if it pushes with forces, the scene's length (m) if with moments.

@@ -9,12 +9,14 @@
 //! | `ties` | closed positions: the landscape of a scene with loops, drives and gears |
 //! | `split`, `row_space` | what rows hold and what they leave free at a position: dense, and of many rows sparse |
 //! | `bordered` | rows beside a sweep, without a matrix of the size of the scene |
+//! | `braced` | the stiffness beside supports that bear |
 //! | `prestress`, `taut` | self-stresses of linearly dependent rows, and loads across rows that are taut |
 //! | `parts` | what is joined to each other |
 //! | `assembled` | what the assembly of a scene has decided, kept as its numbers move |
 
 pub(in crate::statics) mod assembled;
 pub(in crate::statics) mod bordered;
+pub(in crate::statics) mod braced;
 mod fence;
 mod limits;
 pub(in crate::statics) mod linear;
@@ -451,12 +453,9 @@ impl<'s> Landscape<'s> {
         moved
     }
 
-    /// Sizes of the terms in the potential that closing the loops stirs, together (J): each loop of a long row of them closes with an error
-    /// of its own. 0 without loops.
+    /// Sizes of the terms in the potential that the rounding of a position stirs, together (J): a stiff spring that is all but relaxed has next to
+    /// no potential and much of its rounding, and each loop of a long row of them closes with an error of its own.
     pub(in crate::statics) fn stirred(&self, place: &Place) -> f64 {
-        if self.ties.is_none() {
-            return 0.0;
-        }
         (0..self.free.len()).map(|row| place.scales.force[row] * self.lever(row)).sum()
     }
 

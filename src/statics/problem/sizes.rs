@@ -1,5 +1,6 @@
 //! Sizes of the terms that a stiffness is the sum of: compared with them it counts, or is round-off.
 
+use crate::round_off::STIFFNESS;
 use faer::{Mat, Side};
 
 /// A stiffness below this part of the terms it is the sum of counts as zero.
@@ -9,11 +10,11 @@ pub(in crate::statics) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 
-/// Sizes of stiffness terms with which coordinates are compared: one without any stiffness, as of a body that floats, is neutral
-/// compared with the largest of the others.
+/// Sizes of stiffness terms with which coordinates are compared: one without any stiffness, as of a body that floats, or with what rounding of
+/// the stiffest makes, is neutral compared with the largest of the others.
 pub(in crate::statics) fn comparable(magnitude: &[f64]) -> Vec<f64> {
     let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
-    magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect()
+    magnitude.iter().map(|x| if *x > STIFFNESS.of(largest) { *x } else { largest }).collect()
 }
 
 /// `N^(-1/2) K N^(-1/2)` with the sizes `N` of the stiffness terms.

@@ -261,6 +261,10 @@ impl<'c, 's> Cascade<'c, 's> {
         let before = self.history.len();
         let mut outcome = trust_region::run(self.landscape, first, self.history)?;
         let mut shifted = outcome.shifted;
+        // Where the potential no longer tells anything, the forces do.
+        if !outcome.place.is_balanced() && !outcome.fell && self.landscape.goes_on() {
+            outcome.place = polish(self.landscape, outcome.place, self.history)?;
+        }
         self.note_saddles(&outcome.left);
         if exact && self.history.len() == before {
             return Ok((outcome.place, false));

@@ -4,7 +4,7 @@
 //! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. If a
 //! search ends in no balance, stops in the way of the forces left there are tried. If loads have a potential, the set that bears
 //! is the active set of a minimum within the limits: in a tree it is looked for at once, see [`super::bounded`], beside loops, drives
-//! and gears if no turn ends well, see [`super::active`].
+//! and gears if no turn ends well, see [`super::active`]. Where that fails, too, or there is no potential, the motion itself finds the stops that bear.
 //!
 //! **With loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
 //! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
@@ -18,7 +18,7 @@ use crate::round_off::ON_A_LIMIT;
 use crate::statics::certify::bearing::{PULLS, Set, finish, held, load, touching, unit, with};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::problem::Landscape;
-use crate::statics::settings::{Method, Want};
+use crate::statics::settings::{Method, Settings, Want};
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -35,16 +35,33 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
         return Ok(found);
     }
     let found = by_turns(search.again())?;
-    if found.converged || !descends || !watch.goes_on() {
+    if found.converged || !watch.goes_on() || settings.method != Method::Auto {
         return Ok(found);
+    }
+    if !descends {
+        return if found.balanced { Ok(found) } else { moved(search, found) };
     }
     // Downhill there is one, wherever it is.
     let lower = match tied {
-        true => active::search(search)?.map(|lower| after(&found, lower)),
+        true => active::search(search.again())?.map(|lower| after(&found, lower)),
         false if stable || found.balanced => None,
-        false => bounded::search(search)?,
+        false => bounded::search(search.again())?,
     };
-    Ok(lower.unwrap_or(found))
+    match lower.unwrap_or(found) {
+        found if found.balanced => Ok(found),
+        found => moved(search, found),
+    }
+}
+
+/// Where the turns end in no balance: the stops at which the motion itself comes to rest, by dynamic relaxation, are those to begin with.
+fn moved(mut search: Search<'_>, found: Equilibrium) -> Result<Equilibrium, Fault> {
+    let settings = Settings { method: Method::Relaxation, ..search.settings.clone() };
+    let rested = by_turns(Search { settings: &settings, ..search.again() })?;
+    if !rested.balanced || !search.watch.goes_on() {
+        return Ok(found);
+    }
+    let again = by_turns(search.of(search.model, &rested.position))?;
+    Ok(if again.balanced { after(&found, after(&rested, again)) } else { found })
 }
 
 /// An answer with what the turns before it have worked.

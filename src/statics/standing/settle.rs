@@ -13,6 +13,8 @@
 //! The path depends on friction and on the guess. What has slid on its way ends where friction just holds it; it ends within that limit, so that
 //! the pose can be certified. That it stands is not claimed here.
 
+mod bracing;
+
 use super::Unanswered;
 use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{Column, Frame, along, carried};
@@ -27,6 +29,7 @@ use crate::statics::problem::Landscape;
 use crate::statics::problem::place::Place;
 use crate::statics::settings::Settings;
 use crate::statics::watch::Watch;
+use bracing::Bracing;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -38,14 +41,17 @@ const MOST_STEPS: usize = 3000;
 const MOST_TRIALS: usize = 60;
 /// A scene that has moved by this many of its lengths falls for ever.
 const FAR: f64 = 100.0;
-/// What has gone so much of its way in one direction falls; else it moves to and fro.
-const STRAIGHT: f64 = 0.5;
+/// What has gone so much of its way in one direction falls, or rolls, which is half of the way of its farthest point; else it moves to and fro.
+const STRAIGHT: f64 = 0.25;
 /// What is left of the forces in parts of those that cancel, and the last step in parts of the scene's length; what is left falls on to
 /// its rounding, where the next step leaves more than this part of it.
 const BALANCED: f64 = 1e-9;
 const STILL: f64 = 1e-10;
-const FLOOR: f64 = 1e-12;
+const FLOOR: f64 = 1e-15;
 const FALLS_ON: f64 = 0.99;
+/// Steps that become shorter by this part converge still; of what rests already no more than so many are taken.
+const CONVERGES: f64 = 0.9;
+const MOST_STILL: usize = 50;
 /// Forces below this part of them may be rounding that is magnified.
 const LITTLE: f64 = 1e-7;
 /// A step is taken if the Lagrangian falls by this part of what the model says; σ falls or rises beyond these ratios (Conn, Gould,
@@ -90,6 +96,9 @@ struct Search<'l, 's> {
     close: bool,
     /// σ of the last step and what it left of the forces.
     last: Option<(f64, f64)>,
+    /// `κ` of the supports that bear (1/s²), and the matrix of the step with them where it is not definite without.
+    brace: f64,
+    bracing: Option<Bracing>,
 }
 
 /// A step of (1).
@@ -147,6 +156,8 @@ pub(super) fn settle(
         warm: Vec::new(),
         close: false,
         last: None,
+        brace: 0.0,
+        bracing: None,
     };
     let (place, steps) = search.run(place)?;
     let (moved, body) = way(model, pose, &place.q);
@@ -178,7 +189,8 @@ fn stirred(place: &Place, x: &[f64]) -> f64 {
 
 impl Search<'_, '_> {
     fn run(&mut self, mut place: Place) -> Result<(Place, usize), Unanswered> {
-        let (mut travelled, start) = (0.0, place.q.clone());
+        let (mut travelled, mut still, start) = (0.0, 0, place.q.clone());
+        let mut last_far = f64::INFINITY;
         for steps in 1..=MOST_STEPS {
             if !self.landscape.goes_on() {
                 return Err(Unanswered::Unsettled(format!("the search was ended after {steps} steps")));
@@ -198,8 +210,13 @@ impl Search<'_, '_> {
             self.last = Some((step.sigma, step.left));
             let parted;
             (place, parted) = self.parted(next, false)?;
-            let short = far.max(parted) <= STILL * self.model.length_scale();
-            if short && step.left <= BALANCED * pull && !falls_on {
+            let length = self.model.length_scale();
+            let short = far.max(parted) <= STILL * length;
+            // What is stiff is as far from its balance as a step that is no longer seen.
+            let converges = far > f64::EPSILON * length && far < CONVERGES * last_far;
+            let rests = short && step.left <= BALANCED * pull;
+            (still, last_far) = (if rests { still + 1 } else { 0 }, far);
+            if rests && (!falls_on && !converges || still > MOST_STILL) {
                 return Ok((place, steps));
             }
             if far > 0.0 && far <= f64::EPSILON * STILL * self.model.length_scale() {
@@ -213,15 +230,25 @@ impl Search<'_, '_> {
             }
             self.warm = step.supports.iter().map(|support| support.id).zip(step.forces).collect();
             if travelled > FAR * self.model.length_scale() {
-                let (away, _) = way(&self.model, &start, &place.q);
-                let why = if away > STRAIGHT * travelled { "nothing stops it" } else { "it does not come to rest" };
-                return Err(Unanswered::Unsettled(format!(
-                    "it has moved by {} m, {FAR} times its own size, and {why}",
-                    number(travelled)
-                )));
+                let (away, body) = way(&self.model, &start, &place.q);
+                let name = &self.model.bodies[body].name;
+                let why = if away > STRAIGHT * travelled {
+                    format!("`{name}` has moved by {} m, and nothing stops it", number(away))
+                } else {
+                    format!(
+                        "it has moved by {} m, {FAR} times its own size, and does not come to rest",
+                        number(travelled)
+                    )
+                };
+                return Err(Unanswered::Unsettled(why));
             }
         }
-        Err(Unanswered::Unsettled(format!("it still moves after {MOST_STEPS} steps")))
+        let (away, body) = way(&self.model, &start, &place.q);
+        let name = &self.model.bodies[body].name;
+        Err(Unanswered::Unsettled(format!(
+            "it still moves after {MOST_STEPS} steps; `{name}` has moved by {} m",
+            number(away)
+        )))
     }
 
     /// Frees what friction holds together in a deep overlap with forces of any size; how far that moves a shape (m), too. Where nothing overlaps
@@ -241,6 +268,11 @@ impl Search<'_, '_> {
         self.last.is_none_or(|(sigma, left)| sigma != step.sigma || step.left <= FALLS_ON * left)
     }
 
+    /// Whether a step leaves less than the last one of this σ did.
+    fn creeps(&self, step: &Step) -> bool {
+        self.last.is_some_and(|(sigma, left)| sigma == step.sigma && step.left < left)
+    }
+
     /// The largest displacement of a point of any shape (m).
     fn farthest(&mut self, q: &[f64], x: &[f64]) -> f64 {
         let motion = self.landscape.system().at(0.0, q, x);
@@ -255,7 +287,7 @@ impl Search<'_, '_> {
         let supports = self.supports(&place.q);
         let mut supports = Some(supports);
         for _ in 0..MOST_TRIALS {
-            if !self.landscape.factorize(self.sigma) {
+            if !self.factorize(&place.q, supports.as_deref().unwrap_or_default()) {
                 self.sigma *= 4.0;
                 continue;
             }
@@ -279,8 +311,8 @@ impl Search<'_, '_> {
             let little = step.left <= LITTLE * pull(place, &self.landscape.metric);
             let ratio = match (slight, little) {
                 (false, _) => ratio,
-                (true, true) => 0.5,
-                (true, false) => 1.0,
+                (true, true) if !self.creeps(&step) => 0.5,
+                (true, _) => 1.0,
             };
             // What is left is rounding if it counts as balanced and does not fall on: a shorter step magnifies it less.
             let rounding = step.left <= BALANCED * pull(place, &self.landscape.metric) && !self.falls_on(&step);
@@ -356,7 +388,7 @@ impl Search<'_, '_> {
         ways: &[f64],
         (found, most): (f64, usize),
     ) -> (Vec<f64>, Vec<Vector3<f64>>) {
-        let loose = self.landscape.solve(force);
+        let loose = self.solve(&self.pulled(force, supports, ways));
         let unborne = self.spread(&loose);
         let mut answers: Vec<[Vec<f64>; 3]> = Vec::with_capacity(supports.len());
         for support in supports {
@@ -367,7 +399,7 @@ impl Search<'_, '_> {
                 }
                 column.iter().for_each(|(i, c)| full[*i] = *c);
                 let rhs: Vec<f64> = self.landscape.free.iter().map(|i| full[*i]).collect();
-                let solved = self.landscape.solve(&rhs);
+                let solved = self.solve(&rhs);
                 self.spread(&solved)
             };
             answers.push([0, 1, 2].map(|i| answer(&support.columns[i])));
@@ -383,8 +415,8 @@ impl Search<'_, '_> {
             rates: rates.collect(),
             laws: supports.iter().map(|one| one.law).collect(),
         };
-        let known = |one: &Support| self.warm.iter().find(|(id, _)| *id == one.id).map(|(_, force)| *force);
-        let guess: Vec<Vector3<f64>> = supports.iter().map(|one| known(one).unwrap_or_else(Vector3::zeros)).collect();
+        let guess = supports.iter().map(|one| self.known(one.id).unwrap_or_else(Vector3::zeros));
+        let guess: Vec<Vector3<f64>> = guess.collect();
         let forces = problem.solve(&guess, found, most).forces;
         let mut full = unborne;
         for (answer, force) in answers.iter().zip(&forces) {
@@ -418,6 +450,7 @@ impl Search<'_, '_> {
             supports.iter_mut().for_each(|support| support.law = Law::Coulomb { stick: 0.0, slide: 0.0 });
             self.landscape.look(&place.q)?;
             let mut sigma = self.sigma;
+            self.bracing = None;
             while !self.landscape.factorize(sigma) && sigma.is_finite() {
                 sigma *= 4.0;
             }

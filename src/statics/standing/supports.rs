@@ -47,8 +47,9 @@ impl Bearers {
         let length = model.length_scale();
         let units: Vec<f64> = units(model);
         let pushed = vec![false; model.velocity_count()];
-        let (supports, list) = (Supports::new(units.clone()), Vec::new());
-        let mut bearers = Self { supports, list, load: borne(model, pose)?, pushed };
+        let (load, terms) = borne(model, pose)?;
+        let (supports, list) = (Supports::new(units.clone()).with_terms(terms), Vec::new());
+        let mut bearers = Self { supports, list, load, pushed };
         for (k, contact) in scene.contacts.iter().enumerate() {
             let ends = contact.bodies.map(|body| model.bodies[body].link);
             let column = |along: &Vector3<f64>| column_of(model, &scene.motion, ends, &contact.point, along);
@@ -169,8 +170,8 @@ fn units(model: &Model) -> Vec<f64> {
     units
 }
 
-/// What supports have to bear: [`load`] without what is rounding of forces that cancel.
-fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+/// What supports have to bear: [`load`] without what is rounding of forces that cancel; and the sizes of these.
+fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Fault> {
     let rest = vec![0.0; model.velocity_count()];
     let (mut system, mut residual) = (System::new(model), rest.clone());
     let sizes = system.at(0.0, pose, &rest).residual(&rest, &mut residual)?.magnitudes().force;
@@ -188,7 +189,7 @@ fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
         least[own].fill(SETTLED * largest);
     }
     load.iter_mut().zip(&least).filter(|(f, least)| f.abs() <= **least).for_each(|(f, _)| *f = 0.0);
-    Ok(load)
+    Ok((load, sizes))
 }
 
 /// The velocity coordinates of each hinge that does not bend.

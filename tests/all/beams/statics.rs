@@ -242,3 +242,32 @@ fn a_beam_without_load_has_no_error_of_its_forces() {
         assert!(!error.idle || (error.forces, error.deflections) == (0.0, 0.0), "{error:?}");
     }
 }
+
+/// A steel cantilever that is pushed with a newton beside a stiff spring at its length: both stiffnesses add up (closed form, deflections of a
+/// micrometre). The potential is rounding there, and the forces are not.
+#[test]
+fn a_light_push_beside_a_stiff_spring_at_its_length() {
+    let (young, radius, length, stiffness) = (210e9, 0.025_f64, 1.0, 1e5);
+    let to = Vector3::new(0.3, 0.2, 1.0);
+    for elements in [2, 4, 8] {
+        let text = format!(
+            "gravity = [0, 0, 0]\n[[beam]]\nname = \"a\"\nhinge = {{ type = \"fixed\" }}\nlength = {length:?}\nsection = {{ circle = {radius:?} }}\n\
+             elements = {elements}\nfree = [\"bend\"]\nmaterial = {{ young = {young:?}, density = 7800.0 }}\n\
+             [[force]]\ntype = \"load\"\non = \"a.tip\"\nforce = [0, 0.3, -1.0]\n\
+             [[force]]\ntype = \"spring\"\nbetween = [\"a.tip\", {{ body = \"ground\", at = [1.3, 0.2, 1.0] }}]\nstiffness = {stiffness:?}\nlength = {:?}\n",
+            to.norm()
+        );
+        let scenario =
+            stillpoint::scenario::parse("light.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+        let model = Model::build(&scenario.description).expect("a sound scene");
+        let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
+        assert!(found.converged && found.iterations < 20, "{elements}: {} {:?}", found.iterations, found.notes);
+        let bends = 3.0 * young * std::f64::consts::PI * radius.powi(4) / 4.0 / length.powi(3);
+        let along = to.normalize().yz();
+        let matrix = nalgebra::Matrix2::identity() * bends + along * along.transpose() * stiffness;
+        let expected = matrix.lu().solve(&nalgebra::Vector2::new(0.3, -1.0)).expect("a deflection");
+        let moved = tip(&model, &found).0;
+        let off = (moved.yz() - expected).norm() / expected.norm();
+        assert!(off < 1e-5, "{elements}: {moved} {expected} {off:e}");
+    }
+}

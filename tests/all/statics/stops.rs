@@ -112,3 +112,55 @@ fn an_inverted_pendulum_lies_on_a_stop() {
     assert!(between.converged && between.stops.is_empty() && between.position[0] == 0.0);
     assert_eq!(between.stability.expect("a verdict").verdict, StabilityVerdict::Unstable);
 }
+
+/// Loads that turn with their bodies have no potential, and where the turns from the guess meet no set that bears, the stops at which the motion
+/// itself comes to rest are those. What they bear is the virtual work of all loads.
+#[test]
+fn stops_beside_loads_that_turn_with_their_bodies_are_found_by_the_motion() {
+    let model = read(
+        r#"
+        [[body]]
+        name = "b0"
+        mass = 0.3832081533334364
+        center = [-0.13870553779937014, 0.25739276437714614, -0.057391297464484466]
+        inertia = [0.01093447322423046, 0.008560638250371035, 0.007887583926438162]
+        hinge = { type = "revolute", at = [-1.1780088401310633, -0.23441952099004237, 0.1139271455735039], rpy = [0.46897786508742256, 0.568981263834284, 0.6346777881599402], axis = [0.49716074405376404, 0.14242573607056525, 0.6904853540677682], limits = { low = -0.14703257126722344, high = 0.20857778231999538 } }
+        [[body]]
+        name = "b1"
+        mass = 1.3287573104605028
+        center = [-0.12698949361324613, -0.023915463271919714, -0.506200330187409]
+        inertia = [0.027739800919735484, 0.02814315826041127, 0.03935643174606057]
+        hinge = { type = "revolute", at = [0.34088073654990725, -0.32858163814190666, 0.0087458831093812], rpy = [0.38459732712472716, 0.3572249408239553, 0.532308087178229], parent = "b0", axis = [0.3997742267234366, -0.9054790553600608, -0.3781625540393897], limits = { low = -0.071631267360289, high = 0.2950066164731744 } }
+        [[force]]
+        type = "load"
+        name = "e0"
+        on = { body = "b0", at = [-0.8636602115961743, 0.21721182177292866, 0.11886780116613894] }
+        force = [0.21852145523442879, 16.017788913209156, -2.393556274730243]
+        axes = "body"
+        [[force]]
+        type = "rope"
+        name = "e1"
+        through = [{ body = "b1", at = [0.08963781747815808, 0.10999834198588258, 0.6795937876202183] }, { body = "ground", at = [-1.8531518828110498, -0.7796196063115359, -2.7533722951126176] }, { body = "ground", at = [1.670222491829157, 0.7137421182990187, 2.9266057824391236] }]
+        stiffness = 7.504202255808212
+        length = 0.5570096775742437
+        [[force]]
+        type = "rope"
+        name = "e2"
+        through = [{ body = "b0", at = [-0.5077895406037708, 0.15675692372509764, 0.41906328394719056] }, { body = "ground", at = [0.5354229246876716, -1.625882190620652, -0.8307145203593707] }, { body = "b1", at = [0.9983654458458933, 1.4569312330036648, 0.2072047166379982] }]
+        stiffness = 34.80780860944723
+        length = 0.5540301997008261
+        [[force]]
+        type = "load"
+        name = "e3"
+        on = { body = "b0", at = [0.07852428372267231, -0.07931741851934415, -0.5178268764129058] }
+        force = [9.827395110230576, -4.992955985391521, -11.849437664170246]
+        axes = "body"
+        "#,
+    );
+    let settings = Settings { want: Want::Any, ..Settings::default() };
+    let found = equilibrium(&model, &settings, &model.start_position).expect("statics");
+    assert!(found.converged, "{:?}", found.notes);
+    near(stop(&found, "`b0`").load, 58.741, 1e-3);
+    near(stop(&found, "`b1`").load, 144.599, 1e-3);
+    assert!(found.stops.iter().all(|stop| stop.side == Side::High));
+}

@@ -3,7 +3,7 @@
 use crate::common::{Random, build};
 use stillpoint::constraint;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, equilibrium};
+use stillpoint::statics::{Equilibrium, StabilityVerdict, equilibrium};
 
 fn search(text: &str) -> Equilibrium {
     let scenario = scenario::parse("taut.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
@@ -81,5 +81,41 @@ fn what_rods_in_line_do_not_bear_is_named_whatever_hangs_beside_it() {
         assert!(!found.balanced, "seed {seed}");
         let note = found.notes.join("; ");
         assert!(note.contains(" in `k`") && note.contains("`left`"), "seed {seed}: {note}");
+    }
+}
+
+/// Two masses on a rod, one in a spring at its length and the other on a rope at its length, without weight: the potential is a sum of squares
+/// and zero, so that nothing falls, whatever rounding leaves in the rod.
+#[test]
+fn what_is_just_relaxed_and_just_taut_does_not_fall() {
+    for seed in 0..60 {
+        let random = &mut Random::new(0x7a07 + seed);
+        let mut text = "gravity = [0, 0, 0]\n".to_owned();
+        let points: Vec<[f64; 3]> = (0..4).map(|_| random.vector(3.0).into()).collect();
+        let [a, b, spring, rope] = [points[0], points[1], points[2], points[3]];
+        for (name, at, mass) in [("a", a, 1.0), ("b", b, 0.7)] {
+            let slide = |body: &str, parent: &str, axis: &str, at: f64, rest: &str| {
+                format!(
+                    "[[body]]\nname = \"{body}\"\n{rest}hinge = {{ type = \"prismatic\"{parent}, axis = {axis}, position = {at:?} }}\n"
+                )
+            };
+            text += &slide(&format!("{name}x"), "", "[1, 0, 0]", at[0], "");
+            text += &slide(&format!("{name}y"), &format!(", parent = \"{name}x\""), "[0, 1, 0]", at[1], "");
+            let mass = format!("mass = {mass:?}\n");
+            text += &slide(name, &format!(", parent = \"{name}y\""), "[0, 0, 1]", at[2], &mass);
+        }
+        let apart = |p: [f64; 3], q: [f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt();
+        text += &format!(
+            "[[force]]\ntype = \"spring\"\nbetween = [\"a\", {{ body = \"ground\", at = {spring:?} }}]\nstiffness = 200.0\nlength = {:?}\n\
+             [[force]]\ntype = \"rope\"\nthrough = [\"b\", {{ body = \"ground\", at = {rope:?} }}]\nstiffness = 80.0\nlength = {:?}\n\
+             [[loop]]\ntype = \"rod\"\nbetween = [\"a\", \"b\"]\nlength = {:?}\n",
+            apart(a, spring),
+            apart(b, rope),
+            apart(a, b)
+        );
+        let found = search(&text);
+        assert!(found.converged, "seed {seed}: {:?}\n{text}", found.notes);
+        let verdict = found.stability.expect("an equilibrium").verdict;
+        assert_eq!(verdict, StabilityVerdict::Neutral, "seed {seed}\n{text}");
     }
 }

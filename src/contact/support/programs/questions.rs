@@ -56,12 +56,19 @@ impl Supports {
         if self.rows == 0 || self.size(load) == 0.0 {
             return Ok(self.idle());
         }
-        let least = Scaled::new(self, load, 1.0)
+        // What is nearly balanced by itself weighs as much as the terms that cancel in it.
+        let weighs = |(row, scaled): (usize, &f64)| {
+            let terms = self.terms.get(row).map_or(1.0, |terms| (terms / load[row]).abs().max(1.0));
+            (scaled.abs(), scaled.abs() * terms)
+        };
+        let scaled = Scaled::new(self, load, 1.0);
+        let least = scaled
             .load
             .iter()
-            .map(|load| load.abs())
-            .filter(|load| *load > SUPPORT_LOAD.of(1.0))
-            .fold(1.0, f64::min);
+            .enumerate()
+            .map(weighs)
+            .filter(|(load, _)| *load > SUPPORT_LOAD.of(1.0))
+            .fold(1.0, |least: f64, (_, weight)| least.min(weight));
         if least < UNEVEN {
             return Err(Undecided::Uneven { ratio: least });
         }
