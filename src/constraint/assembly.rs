@@ -94,7 +94,7 @@ fn close(model: &mut Model, time: f64) -> Result<Assembly, Vec<Problem>> {
     let ranking = decide(model, &RowSelection::default(), &model.start_position, time);
     let rows = Constraints::unplanned(model, &RowSelection::default());
     let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
-    problems.extend(overdriven(&rows, &ranking.independent));
+    problems.extend(overdriven(model, &rows, &ranking.independent, time));
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -402,9 +402,19 @@ fn is_turned_over(element: &RowGroup, model: &Model, motion: &Motion) -> bool {
     }
 }
 
-/// Drives of a motion that others already prescribe.
-fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
-    let dependent = |element: &&RowGroup| matches!(element.owner, Owner::Drive(_)) && !independent[element.rows.start];
+/// Drives of a motion that others already prescribe. What holds still beside what holds still contradicts nothing, and shares its load.
+fn overdriven(model: &Model, rows: &Constraints, independent: &[bool], time: f64) -> Vec<Problem> {
+    let inner: Vec<Vec<usize>> = rows.elements.iter().map(|element| between_ends(model, element)).collect();
+    let component = sharing(&inner, model.links.len());
+    let moves = |element: &RowGroup| match element.owner {
+        Owner::Drive(drive) => !model.drives[drive].motion.holds_from(time),
+        _ => false,
+    };
+    let moving: Vec<usize> = (0..component.len()).filter(|e| moves(&rows.elements[*e])).map(|e| component[e]).collect();
+    let prescribed: Vec<bool> = component.iter().map(|root| moving.contains(root)).collect();
+    let dependent = |(_, element): &(usize, &RowGroup)| {
+        matches!(element.owner, Owner::Drive(_)) && !independent[element.rows.start]
+    };
     let others: Vec<&str> = rows
         .elements
         .iter()
@@ -418,21 +428,19 @@ fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
         (false, true) => "the gears",
         _ => "the loops",
     };
-    rows.elements
-        .iter()
-        .filter(dependent)
-        .map(|element| Problem {
-            element: place_of(element.owner),
-            field: "hinge".to_owned(),
-            message: match others.is_empty() {
-                true => format!("{} cannot move its hinge: {rest} hold it", element.name),
-                false => {
-                    format!("{} has nothing left to move: {} and {rest} prescribe it", element.name, others.join(", "))
-                }
-            },
-            help: Some("as many drives as the mechanism has degrees of freedom, on hinges that can move".to_owned()),
-        })
-        .collect()
+    let all = rows.elements.iter().enumerate().filter(dependent).filter(|(e, _)| prescribed[*e]);
+    all.map(|(_, element)| Problem {
+        element: place_of(element.owner),
+        field: "hinge".to_owned(),
+        message: match others.is_empty() {
+            true => format!("{} cannot move its hinge: {rest} hold it", element.name),
+            false => {
+                format!("{} has nothing left to move: {} and {rest} prescribe it", element.name, others.join(", "))
+            }
+        },
+        help: Some("as many drives as the mechanism has degrees of freedom, on hinges that can move".to_owned()),
+    })
+    .collect()
 }
 
 /// Turns and shifts by a little, another one each time.

@@ -124,6 +124,15 @@ impl Prescribed {
         }
     }
 
+    /// Whether it stays where it is from `time` (s) on.
+    pub fn holds_from(&self, time: f64) -> bool {
+        match self {
+            Self::Line { rate, .. } => *rate == 0.0,
+            Self::Ramp { from, to, ends } => ends[1] <= time || from == to,
+            Self::Sine { .. } | Self::Spline(_) | Self::Formula(_) => false,
+        }
+    }
+
     /// The formula that it follows, as written.
     pub fn formula(&self) -> Option<&str> {
         match self {

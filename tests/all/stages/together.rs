@@ -141,3 +141,43 @@ fn an_event_just_before_an_instant_comes() {
         }
     }
 }
+
+/// Both cranks of a parallelogram are locked while it swings: the second lock holds nothing that the first does not, and contradicts nothing. All
+/// motion is lost, and it stays where it was caught; beside a crank that is driven on a lock has nothing to hold.
+#[test]
+fn locks_that_repeat_each_other_hold_together() {
+    let scene = |crank: &str, lock: &str| {
+        format!(
+            "[[body]]\nname = \"crank\"\nmass = 1.0\ncenter = [0, 0, -0.1]\ninertia = [0.004, 0.004, 0.001]\nmarkers = {{ pin = [0, 0, -0.2] }}\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], position = 0.5 }}\n\
+             [[body]]\nname = \"coupler\"\nmass = 0.6\ncenter = [0.15, 0, 0]\ninertia = [0.001, 0.006, 0.006]\nmarkers = {{ pin = [0.3, 0, 0] }}\n\
+             hinge = {{ type = \"revolute\", parent = \"crank\", at = \"pin\", axis = [0, 1, 0], position = -0.5 }}\n\
+             [[body]]\nname = \"rocker\"\nmass = 0.5\ncenter = [0, 0, -0.1]\ninertia = [0.004, 0.004, 0.0001]\nmarkers = {{ pin = [0, 0, -0.2] }}\n\
+             hinge = {{ type = \"revolute\", at = [0.3, 0, 0], axis = [0, 1, 0], position = 0.5 }}\n\
+             [[loop]]\ntype = \"revolute\"\nbetween = [\"coupler.pin\", \"rocker.pin\"]\naxis = [0, 1, 0]\n{crank}\
+             [[stage]]\nname = \"hold\"\nwhen = {{ time = 0.3 }}\nlock = {lock}\n"
+        )
+    };
+    let run = |text: &str, duration: f64| {
+        let scenario =
+            stillpoint::scenario::parse("cranks.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+        let (model, _) = stillpoint::constraint::assemble(build(&scenario.description)).expect("a parallelogram");
+        simulate::run(&model, &settings(duration), 1.0, &given(&model), &mut Fanout::new(), &mut |_, _| true)
+    };
+    let both = scene("", "[\"crank\", \"rocker\"]");
+    let (caught, later) = (run(&both, 0.3).expect("a run"), run(&both, 1.0).expect("a run"));
+    assert!(later.state.velocity.iter().all(|v| v.abs() < 1e-12), "{:?}", later.state);
+    for (at, was) in later.state.position.iter().zip(&caught.state.position) {
+        assert!((at - was).abs() < 1e-12, "{:?} {:?}", later.state, caught.state);
+    }
+    let one = run(&scene("", "[\"crank\"]"), 1.0).expect("a run");
+    assert!(
+        one.dissipated > 0.1 && (later.dissipated - one.dissipated).abs() < 1e-9,
+        "{} {}",
+        later.dissipated,
+        one.dissipated
+    );
+    let driven = scene("[[drive]]\nhinge = \"crank\"\ntype = \"rate\"\nrate = 1.0\n", "[\"rocker\"]");
+    let refused = run(&driven, 1.0).map(|_| ()).expect_err("a lock against a drive").to_string();
+    assert!(refused.contains("has nothing left to move"), "{refused}");
+}
