@@ -43,6 +43,7 @@ mod hinge;
 mod lint;
 mod lower;
 mod mass;
+mod measured;
 mod modal;
 mod model;
 mod motor;
@@ -309,6 +310,7 @@ fn read(
     let whole = Reader::new(document, 0..0, findings);
     let unknown = unknown::read(&whole, &description);
     let aim = aim::read(&whole, &description, &unknown, numbers);
+    measured::check(&whole, &description, numbers);
     let margin = unknown::margin(&whole, &description);
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));

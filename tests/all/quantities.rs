@@ -352,3 +352,47 @@ fn start_files_take_quantities() {
         assert!(error.contains("it is measured in") && error.contains("1 error"), "{wrong}: {error}");
     }
 }
+
+/// Values of events and setpoints of controllers have the units of what they are compared with.
+#[test]
+fn what_is_compared_with_an_output_has_its_unit() {
+    let text = "[[body]]\nname = \"cart\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1, 0, 0] }\n\
+                [[body]]\nname = \"arm\"\nmass = 1.0\ncenter = [0, 0, -1]\nhinge = { type = \"revolute\", parent = \"cart\", axis = [0, 1, 0] }\n\
+                [[motor]]\nname = \"push\"\ntype = \"input\"\nhinge = \"cart\"\n\
+                [[output]]\nname = \"x\"\ntype = \"coordinate\"\nof = \"cart\"\n\
+                [[output]]\nname = \"angle\"\ntype = \"coordinate\"\nof = \"arm\"\n\
+                [[output]]\nname = \"hold\"\ntype = \"reaction\"\nof = \"arm\"\n";
+    let event = |of: &str, value: &str| format!("{text}[[event]]\nname = \"e\"\n{of}\nvalue = \"{value}\"\n");
+    let controller = |rest: &str| {
+        format!(
+            "{text}[[controller]]\nname = \"c\"\nperiod = 0.01\nsenses = [\"x\", \"angle\"]\ndrives = [\"push\"]\ntype = \"gain\"\nmatrix = [[1.0, 2.0]]\n{rest}\n"
+        )
+    };
+    let read = |text: &str| scenario::parse("e.toml", text, &[]);
+    let taken = [
+        (event("output = \"x\"", "20 mm"), 0.02),
+        (event("output = \"angle\"", "180 deg"), std::f64::consts::PI),
+        (event("output = \"hold[0]\"", "2 kN"), 2000.0),
+        (event("hinge = \"cart\"", "1 cm"), 0.01),
+        (event("hinge = \"arm\"", "90 deg"), std::f64::consts::FRAC_PI_2),
+        (event("on = \"arm\"", "-3 mm"), -0.003),
+    ];
+    for (text, value) in taken {
+        let scenario = read(&text).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        assert!((scenario.description.events[0].value - value).abs() < 1e-15, "{text}");
+    }
+    let refused = [
+        (event("output = \"x\"", "-3 deg"), "`x` is measured in m, not in this unit"),
+        (event("output = \"angle\"", "20 mm"), "`angle` is measured in rad, not in this unit"),
+        (event("output = \"hold[0]\"", "1 m"), "`hold[0]` is measured in N, not in this unit"),
+        (event("hinge = \"cart\"", "1 deg"), "`cart` is measured in m, not in this unit"),
+        (event("hinge = \"arm\"", "1 m"), "`arm` is measured in rad, not in this unit"),
+        (event("on = \"arm\"", "1 deg"), "`e` is measured in m, not in this unit"),
+        (controller("setpoint = [\"2 cm\", \"1 m\"]"), "`angle` is measured in rad, not in this unit"),
+    ];
+    for (text, message) in refused {
+        let problems = read(&text).expect_err(message).to_string();
+        assert!(problems.contains(message), "{problems}");
+    }
+    read(&controller("setpoint = [\"2 cm\", \"10 deg\"]")).expect("a setpoint with units");
+}

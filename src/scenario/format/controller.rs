@@ -1,6 +1,6 @@
 //! Controllers: what sets motors of type `input` while a run goes on.
 
-use super::super::fields::{Key, Kind, Table};
+use super::super::fields::{ANY_UNIT, Key, Kind, Table};
 use super::{NUMBER, POSITIVE};
 
 /// `[[controller]]`
@@ -40,6 +40,7 @@ pub const CONTROLLER: Table = Table {
         .only(&["gain"])
         .example("[[-1.0, 30.0, -2.0, 6.0]]"),
         Key::new("setpoint", Kind::List(&NUMBER, &[]), "Where what is sensed is wanted; zeros where left out.")
+            .unit(ANY_UNIT)
             .only(&["gain"])
             .example("[0.5, 0.0, 0.0, 0.0]"),
         Key::new(
@@ -56,7 +57,11 @@ pub const CONTROLLER: Table = Table {
             .default("0.0")
             .only(&["pid"])
             .example("60.0"),
-        Key::new("setpoint", NUMBER, "Where what is sensed is wanted.").default("0.0").only(&["pid"]).example("0.3"),
+        Key::new("setpoint", NUMBER, "Where what is sensed is wanted.")
+            .unit(ANY_UNIT)
+            .default("0.0")
+            .only(&["pid"])
+            .example("0.3"),
         Key::new("bias", NUMBER, "Added; what the input is in statics.")
             .unit("N or N m")
             .default("0.0")

@@ -1,6 +1,6 @@
 //! What a run takes note of.
 
-use super::super::fields::{Key, Kind, Range, Table};
+use super::super::fields::{ANY_UNIT, Key, Kind, Range, Table};
 use super::{ATTACHMENT, NUMBER, VECTOR};
 
 /// `[[event]]`
@@ -30,10 +30,7 @@ pub const EVENT: Table = Table {
             "Output that is watched, in place of `hinge`: its name, or `name[i]` for one of several numbers.",
         )
         .example("\"camber\""),
-        Key::new("value", NUMBER, "The value that is crossed; of an output in its SI unit.")
-            .unit("m or rad")
-            .default("0.0")
-            .example("0.5"),
+        Key::new("value", NUMBER, "The value that is crossed.").unit(ANY_UNIT).default("0.0").example("0.5"),
         Key::new("direction", Kind::Choice(DIRECTIONS), "Which way counts.").default("\"both\"").example("\"up\""),
         Key::new("action", Kind::Choice(ACTIONS), "What happens then.").default("\"log\"").example("\"stop\""),
     ],
