@@ -266,8 +266,8 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
 
 /// The axes of a link after a turn about z by an angle of this sine and cosine: the others turn in their plane.
 #[inline(always)]
-fn about_z(hinge: &Columns, angle: [f64; 2]) -> Columns {
-    let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
+fn about_z(hinge: &Columns, [sine, cosine]: [f64; 2]) -> Columns {
+    let ([x, y, z], s, c) = (hinge.0, Quad::all(sine), Quad::all(cosine));
     Columns([s.times_add(y, c * x), s.times_from(x, c * y), z])
 }
 

@@ -123,7 +123,8 @@ impl Columns {
     /// Back to a matrix in memory.
     #[inline(always)]
     pub fn matrix(&self) -> Matrix3<f64> {
-        let [x, y, z] = self.0.map(Quad::vector);
+        let [x, y, z] = self.0;
+        let [x, y, z] = [x.vector(), y.vector(), z.vector()];
         Matrix3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
     }
 
@@ -183,7 +184,8 @@ impl Columns {
     /// `A B`.
     #[inline(always)]
     pub fn by(&self, b: &Self) -> Self {
-        Self(b.0.map(|column| self.times(&column.vector())))
+        let [x, y, z] = b.0;
+        Self([self.times(&x.vector()), self.times(&y.vector()), self.times(&z.vector())])
     }
 
     /// `self + s 1`.
