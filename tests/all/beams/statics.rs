@@ -247,7 +247,7 @@ fn a_beam_without_load_has_no_error_of_its_forces() {
 /// micrometre). The potential is rounding there, and the forces are not.
 #[test]
 fn a_light_push_beside_a_stiff_spring_at_its_length() {
-    let (young, radius, length, stiffness) = (210e9, 0.025_f64, 1.0, 1e5);
+    let (young, radius, length, stiffness) = (210e9_f64, 0.025_f64, 1.0_f64, 1e5_f64);
     let to = Vector3::new(0.3, 0.2, 1.0);
     for elements in [2, 4, 8] {
         let text = format!(
