@@ -27,11 +27,6 @@ use std::sync::Arc;
 /// The largest distance of a difference, in parts of what is usual of a direction: a radian, the scene's length, these by its time, its
 /// largest force.
 const FIRST: f64 = 1e-2;
-/// Parts of it that are tried where derivatives are not known with more: strains of beams have kinks of stresses within what they are bent by.
-const NEARER: [f64; 3] = [1.0, 1e-2, 1e-4];
-/// The difference over this part of the largest distance is that of the same branch: alike to this part of itself.
-const CLOSE: f64 = 1e-4;
-const ALIKE: f64 = 1e-2;
 /// A size of derivatives below which they count as small, in parts of what is usual.
 const SMALL: f64 = 1e-3;
 /// A derivative whose error is larger than this part of it, or of [`SMALL`], is not known.
@@ -190,33 +185,15 @@ impl<'a> Beside<'a> {
                 text
             })
         };
-        for part in NEARER {
-            let first = part * FIRST * unit;
-            let found = derivative(&mut of, &self.center, first, (&sizes, &noise));
-            let near = [1.0, -1.0].map(|side| of(side * CLOSE * first));
-            let Ok(found) = found else {
-                return fault.map_or(Ok(all), Err);
-            };
-            // Beyond a kink another branch may have been extrapolated to here.
-            let is_of_another = |i: usize| match &near {
-                [Ok(above), Ok(below)] => {
-                    let close = (above[i] - below[i]) / (2.0 * CLOSE * first);
-                    let rounding = noise[i] / (CLOSE * first);
-                    (close - found.value[i]).abs() > ALIKE * close.abs().max(found.value[i].abs()) + rounding
-                }
-                _ => false,
-            };
-            for (i, number) in self.numbers.iter().enumerate() {
-                let (x, error, zero) = (found.value[i], found.error[i], ZERO * self.sizes[i] / unit);
-                let is_unknown = found.kinks[i] || error > KNOWN * x.abs().max(sizes[i]) || is_of_another(i);
-                if is_unknown || !all[*number].is_nan() {
-                    continue;
-                }
-                all[*number] = if x.abs() <= zero.max(error) { 0.0 } else { x };
+        let Ok(found) = derivative(&mut of, &self.center, FIRST * unit, (&sizes, &noise)) else {
+            return fault.map_or(Ok(all), Err);
+        };
+        for (i, number) in self.numbers.iter().enumerate() {
+            let (x, error, zero) = (found.value[i], found.error[i], ZERO * self.sizes[i] / unit);
+            if found.kinks[i] || error > KNOWN * x.abs().max(sizes[i]) {
+                continue;
             }
-            if self.numbers.iter().all(|number| !all[*number].is_nan()) {
-                break;
-            }
+            all[*number] = if x.abs() <= zero.max(error) { 0.0 } else { x };
         }
         let shared = |output: &&Output| !are_balanced && is_shared(&model, &output.quantity);
         model.outputs.iter().filter(shared).for_each(|output| all[output.range()].fill(f64::NAN));

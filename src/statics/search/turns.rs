@@ -55,7 +55,7 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
 
 /// Where the turns end in no balance: the stops at which the motion itself comes to rest, by dynamic relaxation, are those to begin with.
 fn moved(mut search: Search<'_>, found: Equilibrium) -> Result<Equilibrium, Fault> {
-    let settings = Settings { method: Method::Relaxation, ..search.settings.clone() };
+    let settings = Settings { method: Method::Relaxation, ..*search.settings };
     let rested = by_turns(Search { settings: &settings, ..search.again() })?;
     if !rested.balanced || !search.watch.goes_on() {
         return Ok(found);
