@@ -27,6 +27,10 @@ pub(super) fn check(scenario: &Reader<'_>, description: &Description, texts: &Nu
         let own = |label: &str| label == name || label.strip_prefix(name).is_some_and(|rest| rest.starts_with('['));
         labels().filter(|(label, _)| own(label)).map(|(_, unit)| unit.clone()).collect()
     };
+    let hinge = |name: &String| {
+        let of_body = description.bodies.iter().find(|body| body.name == *name).map(|body| &body.hinge.kind);
+        of_body.or_else(|| description.beams.iter().find(|beam| beam.name == *name).map(|beam| &beam.hinge.kind))
+    };
     let refuse = |span: Range<usize>, what: &str, unit: &str| {
         let fits = |measure: Measure| Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension));
         if texts.measure(&span).is_some_and(|measure| !fits(measure)) {
@@ -39,8 +43,7 @@ pub(super) fn check(scenario: &Reader<'_>, description: &Description, texts: &Nu
             WatchedDescription::Point { .. } => (event.name.clone(), Some("m".to_owned())),
             WatchedDescription::Output { name } => (name.clone(), units_of(name).into_iter().next()),
             WatchedDescription::Hinge { body, coordinate } => {
-                let hinge = description.bodies.iter().find(|one| one.name == *body).map(|one| &one.hinge.kind);
-                let unit = hinge.and_then(|kind| Some(kind.positions().get(*coordinate)?.1.to_owned()));
+                let unit = hinge(body).and_then(|kind| Some(kind.positions().get(*coordinate)?.1.to_owned()));
                 (body.clone(), unit)
             }
         };

@@ -381,6 +381,9 @@ fn what_is_compared_with_an_output_has_its_unit() {
         let scenario = read(&text).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
         assert!((scenario.description.events[0].value - value).abs() < 1e-15, "{text}");
     }
+    let beam = "[[beam]]\nname = \"boom\"\nlength = 1.0\nsection = { circle = 0.01 }\nmaterial = { young = 2e11, density = 7800.0 }\n\
+                hinge = { type = \"revolute\", axis = [0, 1, 0] }\n[[event]]\nhinge = \"boom\"\nvalue = \"5 N\"\n"
+        .to_owned();
     let refused = [
         (event("output = \"x\"", "-3 deg"), "`x` is measured in m, not in this unit"),
         (event("output = \"angle\"", "20 mm"), "`angle` is measured in rad, not in this unit"),
@@ -388,6 +391,7 @@ fn what_is_compared_with_an_output_has_its_unit() {
         (event("hinge = \"cart\"", "1 deg"), "`cart` is measured in m, not in this unit"),
         (event("hinge = \"arm\"", "1 m"), "`arm` is measured in rad, not in this unit"),
         (event("on = \"arm\"", "1 deg"), "`e` is measured in m, not in this unit"),
+        (beam, "`boom` is measured in rad, not in this unit"),
         (controller("setpoint = [\"2 cm\", \"1 m\"]"), "`angle` is measured in rad, not in this unit"),
     ];
     for (text, message) in refused {

@@ -49,8 +49,11 @@ impl Search<'_, '_> {
         }
         if matrix.factorize(self.sigma) {
             self.bracing = Some(Bracing { matrix, springs });
+            return true;
         }
-        self.bracing.is_some()
+        // Differences have moved the system: back to where the step starts. What cannot be evaluated there is not factorized next, either.
+        let _ = self.landscape.look(q);
+        false
     }
 
     /// Solves with the last factorization.
