@@ -9,6 +9,9 @@
 //! Of what is affine the first extrapolation is exact up to round-off, over any distance: `h₀` is large. Round-off grows as distances
 //! shrink: differences end when they are as exact as it lets them be. At the end of what is
 //! allowed there is one side only; (1) then has all powers of `h`, and (2) `rʲ`.
+//!
+//! Beyond a switch on either side it may be another branch that is extrapolated to 0: a difference over a small part of the last distance has to
+//! agree with what is found.
 
 /// Distances that are tried, at most.
 const LEVELS: usize = 9;
@@ -25,15 +28,22 @@ const SETTLED: f64 = 1e-8;
 const STALLS: usize = 2;
 /// (3) stays above this part of itself at a kink; elsewhere it falls with `r`.
 const STAYS: f64 = 0.5;
-/// A kink by less than this part of a derivative's size is round-off.
+/// A kink by less than this part of a derivative's size is round-off; so many times as large as that over the largest distance it is clear.
 const KINK: f64 = 1e-6;
+const CLEAR: f64 = 100.0;
+/// The difference over this part of the last distance is alike to this part of it, or the branch is another one. What it has of rounding is
+/// how far apart it and those over these parts of its own distance are, so many times.
+const CLOSE: f64 = 1.0 / 64.0;
+const ALIKE: f64 = 1e-2;
+const CLOSER: [f64; 2] = [0.7, 0.5];
+const SPREAD: f64 = 10.0;
 
 /// A derivative, component by component.
 #[derive(Debug, Clone)]
 pub struct Derivative {
     /// The extrapolated differences.
     pub value: Vec<f64>,
-    /// How far the last extrapolations are apart.
+    /// How far the last extrapolations are apart; infinite of what is not known.
     pub error: Vec<f64>,
     /// Whether the function has a kink there: no derivative.
     pub kinks: Vec<bool>,
@@ -50,8 +60,8 @@ struct Tableau {
     is_better: bool,
     /// How many distances have not, one after the other.
     stalls: usize,
-    /// (3) at the first distance, and the least of it at all.
-    bends: Option<[Vec<f64>; 2]>,
+    /// (3) at the first distance, the least of it at all, and what round-off makes of it at the first distance.
+    bends: Option<[Vec<f64>; 3]>,
 }
 
 impl Tableau {
@@ -83,14 +93,18 @@ impl Tableau {
         self.stalls = if self.is_better || self.row.len() < 2 { 0 } else { self.stalls + 1 };
     }
 
-    /// Takes (3) at the next distance, less what is round-off there: of kinks it does not fall. `sizes` of derivatives.
-    fn bend(&mut self, bends: Vec<f64>, sizes: &[f64]) {
-        let Some([first, least]) = &mut self.bends else {
-            self.bends = Some([bends.clone(), bends]);
+    /// Takes (3) at the next distance: of kinks it does not fall. `sizes` of derivatives.
+    fn bend(&mut self, bends: Vec<f64>, round_off: impl Fn(usize) -> f64, sizes: &[f64]) {
+        let less = |i: usize| (bends[i] - round_off(i)).max(0.0);
+        let Some([first, least, hidden]) = &mut self.bends else {
+            let seen: Vec<f64> = (0..bends.len()).map(less).collect();
+            self.bends = Some([seen.clone(), seen, (0..bends.len()).map(round_off).collect()]);
             return;
         };
         for (i, bend) in bends.iter().enumerate() {
-            least[i] = least[i].min(*bend);
+            // Of what was clearly seen round-off may hide all later.
+            let is_hidden = round_off(i) > STAYS * first[i] && first[i] > CLEAR * hidden[i];
+            least[i] = least[i].min(if is_hidden { *bend } else { less(i) });
             let size = sizes[i].max(self.best.value[i].abs());
             // Over short distances it is round-off that grows again.
             self.best.kinks[i] = least[i] > STAYS * first[i] && least[i] > KINK * size;
@@ -124,21 +138,20 @@ pub fn derivative(
     first: f64,
     (sizes, noise): (&[f64], &[f64]),
 ) -> Result<Derivative, String> {
+    let mut last = first;
     let floors: Vec<f64> = noise.iter().map(|noise| FLOOR * noise / first).collect();
     let mut reason = None;
     let mut central = Tableau::new(SHRINK * SHRINK, center.len());
     let mut sides = [1.0, -1.0].map(|side| (side, Tableau::new(SHRINK, center.len())));
     for level in 0..LEVELS {
         let h = first * SHRINK.powi(level as i32);
+        last = h;
         let [after, before] = [h, -h].map(&mut *of);
         if let (Ok(after), Ok(before)) = (&after, &before) {
             let both = || after.iter().zip(before);
             central.push(both().map(|(after, before)| (after - before) / (2.0 * h)).collect());
-            let bends = both()
-                .zip(center)
-                .zip(noise)
-                .map(|(((after, before), y), noise)| ((after - 2.0 * y + before).abs() - FLOOR * noise).max(0.0) / h);
-            central.bend(bends.collect(), sizes);
+            let bends = both().zip(center).map(|((after, before), y)| (after - 2.0 * y + before).abs() / h);
+            central.bend(bends.collect(), |i| FLOOR * noise[i] / h, sizes);
             if level > 0 && central.is_fine(sizes, &floors) {
                 break;
             }
@@ -155,9 +168,41 @@ pub fn derivative(
             }
         }
     }
+    if central.is_known() {
+        let mut best = central.best;
+        doubt(&mut best, of, CLOSE * last, (sizes, noise));
+        return Ok(best);
+    }
     let [(_, after), (_, before)] = sides;
-    let found = [central, after, before].into_iter().find(Tableau::is_known);
+    let found = [after, before].into_iter().find(Tableau::is_known);
     found.map(|known| known.best).ok_or_else(|| reason.unwrap_or_else(|| "it cannot be changed".to_owned()))
+}
+
+/// Takes for unknown what differences over this distance do not agree with.
+fn doubt(
+    found: &mut Derivative,
+    of: &mut dyn FnMut(f64) -> Result<Vec<f64>, String>,
+    h: f64,
+    (sizes, noise): (&[f64], &[f64]),
+) {
+    let mut over = |h: f64| -> Option<Vec<f64>> {
+        let [after, before] = [of(h).ok()?, of(-h).ok()?];
+        Some(after.iter().zip(&before).map(|(after, before)| (after - before) / (2.0 * h)).collect())
+    };
+    let Some(close) = over(h) else { return };
+    let off = |i: usize, rounding: f64| {
+        let (x, other) = (found.value[i], close[i]);
+        let allowed = ALIKE * x.abs().max(other.abs()) + KINK * sizes[i] + FLOOR * noise[i] / h + rounding;
+        found.error[i].is_finite() && !((x - other).abs() <= allowed)
+    };
+    let suspects: Vec<usize> = (0..sizes.len()).filter(|i| off(*i, 0.0)).collect();
+    if suspects.is_empty() {
+        return;
+    }
+    let closer: Vec<Vec<f64>> = CLOSER.iter().filter_map(|part| over(part * h)).collect();
+    let rounding = |i: usize| closer.iter().map(|closer| (closer[i] - close[i]).abs()).fold(0.0, f64::max);
+    let wrong: Vec<usize> = suspects.into_iter().filter(|i| off(*i, SPREAD * rounding(*i))).collect();
+    wrong.into_iter().for_each(|i| found.error[i] = f64::INFINITY);
 }
 
 #[cfg(test)]
@@ -209,10 +254,25 @@ mod tests {
         assert!(found.error[0].is_infinite() && (found.value[1] - 3.0).abs() < 1e-12, "{found:?}");
     }
 
+    /// Two switches, one on either side, have the same slope beyond: that is not the one between them.
+    #[test]
+    fn another_branch_is_not_taken_for_this_one() {
+        let free_play = |x: f64| x.signum() * (x.abs() - 1e-4).max(0.0);
+        assert!(of(|h| Some(free_play(h))).expect("differences").error[0].is_infinite());
+        let near = derivative(&mut |h| Ok(vec![free_play(h)]), &[0.0], 5e-5, (&[1.0], &[1e-16])).expect("a derivative");
+        assert!(near.value[0].abs() < 1e-12 && near.error[0] < 1e-12, "{near:?}");
+        // Rounding that is larger than it is said to be is none.
+        let rough = of(|h| Some((1.0 + h).sqrt() + 1e-7 * (1e9 * h).sin())).expect("a derivative");
+        assert!(rough.error[0].is_finite(), "{rough:?}");
+    }
+
     #[test]
     fn kinks_have_no_derivative() {
         assert!(of(|h| Some(h.abs() + h)).expect("differences").kinks[0]);
         assert!(of(|h| Some((2.0 * h).max(h.sin()))).expect("differences").kinks[0]);
         assert!(!of(|h| Some(h.abs() * h)).expect("differences").kinks[0]);
+        // Over distances at which round-off hides most of it, too.
+        let near = derivative(&mut |h| Ok(vec![h.abs()]), &[0.0], 1e-10, (&[1.0], &[1e-12])).expect("differences");
+        assert!(near.kinks[0]);
     }
 }

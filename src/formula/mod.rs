@@ -52,6 +52,7 @@ pub use number::Jet;
 pub use pieces::{CellEnd, Pieces};
 pub use vocabulary::vocabulary;
 
+use crate::round_off::FORMULA_BEND;
 use function::{Binary, Unary};
 use number::{Extended, Gradient, Number};
 use series::Series;
@@ -158,6 +159,31 @@ impl Formula {
         self.run(|index| Jet { value: variables[index], first: by[index], second: 0.0 }).first
     }
 
+    /// Whether it has a kink, or a jump, where its variables are: along `by` the second difference over the distance does not fall with it.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn has_kink(&self, variables: &[f64], by: &[f64]) -> bool {
+        let moves = |i: &usize| by[*i] != 0.0 && by[*i].is_finite() && self.uses(*i);
+        let reach = |i: usize| (1.0 + variables[i].abs()) / by[i].abs();
+        let far = KINK_REACH * (0..by.len()).filter(moves).map(reach).fold(f64::INFINITY, f64::min);
+        if !far.is_finite() {
+            return false;
+        }
+        let at = |h: f64| {
+            let moved = |i: usize| if moves(&i) { variables[i] + h * by[i] } else { variables[i] };
+            self.value(&(0..variables.len()).map(moved).collect::<Vec<_>>())
+        };
+        let here = at(0.0);
+        let bend = |h: f64| {
+            let [after, before] = [at(h), at(-h)];
+            let round_off = FORMULA_BEND.of(after.abs() + 2.0 * here.abs() + before.abs());
+            ((after - 2.0 * here + before).abs() - round_off) / h
+        };
+        let [wide, narrow] = [bend(far), bend(0.25 * far)];
+        wide > 0.0 && narrow > 0.5 * wide
+    }
+
     /// Its value, and its derivatives with respect to the variables of these indices.
     ///
     /// # Panics
@@ -220,6 +246,22 @@ impl Formula {
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { f64::NAN }
 }
+
+/// All names in a text, each where it stands (in bytes), up to what is no formula.
+pub fn names(text: &str) -> Vec<(String, std::ops::Range<usize>)> {
+    let (mut found, mut tokens) = (Vec::new(), token::Tokens::new(text));
+    while let Ok((token, span)) = tokens.next() {
+        match token {
+            token::Token::Name(name) | token::Token::Braced(name) => found.push((name.to_owned(), span)),
+            token::Token::End => break,
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Kinks are looked for within this part of a variable, or of 1.
+const KINK_REACH: f64 = 1e-6;
 
 /// The text with numbers in place of names; what is no formula stays as it is.
 pub fn with_numbers(text: &str, number: impl Fn(&str) -> Option<f64>) -> String {

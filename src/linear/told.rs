@@ -3,7 +3,7 @@
 use super::beside::{Along, Beside, is_shared};
 use super::{Basis, Input, LinearError, Mat, Place, Signal, StateMatrices};
 use crate::dynamics::{Fault, Linearization, System};
-use crate::model::output::{EnergyKind, ForceQuantity, Source, follows_from};
+use crate::model::output::{EnergyKind, ExpressionQuantity, ForceQuantity, Source, follows_from};
 use crate::model::{Model, Output, Quantity};
 use crate::output::{AtStops, Outputs, Varied};
 use std::sync::Arc;
@@ -108,8 +108,12 @@ fn variations(
         })
         .collect();
     let all = vary(system, outputs, (place, a), &directions, (&AtStops::default(), &[]))?;
+    let values = |system: &mut System, outputs: &mut Outputs, stops: &AtStops| {
+        outputs.look(system.at(place.time, &place.position, &place.velocity), a, stops, &[]).map(|told| told.values)
+    };
     let Some(beside) = Beside::new(system, outputs, (place, a), (basis, linear, rows), multipliers, &all)? else {
-        return Ok(all);
+        let here = values(system, outputs, &AtStops::default())?;
+        return Ok(without_kinks(system.model(), place.time, &here, all));
     };
     let mut others = Vec::with_capacity(directions.len());
     for (j, [position, velocity, acceleration]) in directions.iter().enumerate() {
@@ -119,7 +123,33 @@ fn variations(
     }
     system.set_multipliers(multipliers);
     let stops = beside.stopped_here(system.model());
-    Ok(vary(system, outputs, (place, a), &directions, (&stops, &others))?)
+    let all = vary(system, outputs, (place, a), &directions, (&stops, &others))?;
+    let here = values(system, outputs, &stops)?;
+    Ok(without_kinks(system.model(), place.time, &here, all))
+}
+
+/// The variations without those of formulas that have a kink in them at these values, and of what follows from these.
+fn without_kinks(model: &Model, time: f64, values: &[f64], mut all: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let variables: Vec<f64> = [time].into_iter().chain(values.iter().copied()).collect();
+    let mut expressions: Vec<(usize, &ExpressionQuantity)> = model.outputs.iter().filter_map(of_formula).collect();
+    expressions.sort_by_key(|(_, expression)| expression.depth);
+    for column in &mut all {
+        for (number, expression) in &expressions {
+            let by: Vec<f64> = [0.0].into_iter().chain(column.iter().copied()).collect();
+            let follows = (1..by.len()).any(|i| by[i].is_nan() && expression.formula.uses(i));
+            if follows || expression.formula.has_kink(&variables, &by) {
+                column[*number] = f64::NAN;
+            }
+        }
+    }
+    all
+}
+
+fn of_formula(output: &Output) -> Option<(usize, &ExpressionQuantity)> {
+    match &output.quantity {
+        Quantity::Expression(expression) => Some((output.first, expression)),
+        _ => None,
+    }
 }
 
 pub(super) fn tell(

@@ -743,3 +743,75 @@ fn inputs_are_found_by_place() {
     let error = find("drive[7]").unwrap_err().to_string();
     assert!(error.contains("`drive[7]`: the scene has 1 drive"), "{error}");
 }
+/// The stress near the root of a cantilever with all strains that is bent, twisted and pulled, on a stiff spring or a soft one: the corner of the
+/// section that has most of it changes within what it is bent by. Against equilibria under other loads.
+#[test]
+fn stresses_of_beams_follow_their_loads() {
+    let scene = |young: f64, free: &str, push: f64| {
+        let text = format!(
+            "[[beam]]\nname = \"b\"\nlength = 1.0\nelements = 2\nsection = {{ rectangle = [0.03, 0.01] }}\nmaterial = {{ young = {young:?}, poisson = 0.3, \
+             density = 2700.0 }}\nfree = {free}\nhinge = {{ type = \"revolute\", axis = [0, 1, 0], stiffness = 60.0 }}\n[[force]]\ntype = \
+             \"load\"\nname = \"l\"\non = \"b\"\nforce = [0.3, 0.2, {push:?}]\n[[output]]\nname = \"stress\"\ntype = \"section\"\nof = \"b\"\ns = 0.1\ncomponent \
+             = \"stress\"\n"
+        );
+        let scenario =
+            stillpoint::scenario::parse("beam.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+        let model = build(&scenario.description);
+        let rest = statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("statics");
+        assert!(rest.converged, "{:?}", rest.notes);
+        (scenario.description, model, rest.position)
+    };
+    for young in [70e9, 70e6] {
+        for free in ["[\"bend\"]", "[\"bend\", \"stretch\"]", "[\"bend\", \"twist\", \"stretch\", \"shear\"]"] {
+            let (description, model, q) = scene(young, free, -0.5);
+            let place = Place { position: q, ..start(&model) };
+            let input = Input::find(&description, &model, "l.force[2]").unwrap().remove(0);
+            let found = linearize(&model, &place, &[input], None).unwrap();
+            assert!(found.left_out.is_empty(), "{young:e} {free}: {:?}", found.notes);
+            let n = found.a.nrows();
+            let a = nalgebra::DMatrix::from_fn(n, n, |i, j| found.a[(i, j)]);
+            let x = a.lu().solve(&nalgebra::DVector::from_fn(n, |i, _| found.b[(i, 0)])).expect("a state at rest");
+            let gain = found.d[(0, 0)] - (0..n).map(|j| found.c[(0, j)] * x[j]).sum::<f64>();
+            let stress = |by: f64| {
+                let (_, model, q) = scene(young, free, -0.5 + by);
+                let there = Model { start_position: q, ..Model::clone(&model) };
+                at_start(&Arc::new(there), 0.0).expect("numbers")[0]
+            };
+            let expected = (stress(1e-5) - stress(-1e-5)) / 2e-5;
+            assert!((gain / expected - 1.0).abs() < 1e-6, "{young:e} {free}: {gain} {expected}");
+        }
+    }
+}
+
+/// Where a formula has a kink or a jump it has no slope; beside it, and where it only bends, it has.
+#[test]
+fn formulas_have_no_slope_at_their_kinks() {
+    for (formula, at, slope) in [
+        ("abs(x)", 0.0, None),
+        ("max(x, 0)", 0.0, None),
+        ("floor(x)", 1.0, None),
+        ("sqrt(x*x)", 0.0, None),
+        ("abs(x - 1) + 1000", 1.0, None),
+        ("abs(x)", 0.3, Some(1.0)),
+        ("x^2", 0.0, Some(0.0)),
+        ("abs(x)^3", 0.0, Some(0.0)),
+        ("if(abs(x) > 0.1, x, 0)", 0.0, Some(0.0)),
+        ("exp(5*x) + 1000", 0.0, Some(5.0)),
+    ] {
+        let text = format!(
+            "gravity = [0, 0, 0]\n[[body]]\nname = \"a\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = {at:?} }}\n[[output]]\nname =              \"x\"\ntype = \"coordinate\"\nof = \"a\"\n[[output]]\nname = \"y\"\ntype = \"expression\"\nexpression = \"{formula}\"\n[[output]]\nname =              \"z\"\ntype = \"expression\"\nexpression = \"2*y\"\n"
+        );
+        let scenario =
+            stillpoint::scenario::parse("kink.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+        let model = build(&scenario.description);
+        let found = linearize(&model, &start(&model), &[], None).unwrap();
+        let left_out: Vec<&str> = found.left_out.iter().map(String::as_str).collect();
+        match slope {
+            None => assert_eq!(left_out, ["y", "z"], "{formula} at {at}"),
+            Some(slope) => {
+                assert!(left_out.is_empty(), "{formula} at {at}: {left_out:?}");
+                assert!((found.c[(1, 0)] - slope).abs() < 1e-12 && (found.c[(2, 0)] - 2.0 * slope).abs() < 1e-12);
+            }
+        }
+    }
+}
