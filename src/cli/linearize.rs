@@ -5,6 +5,7 @@ mod files;
 mod response;
 
 use super::inputs::Inputs;
+use super::number::in_unit;
 use super::palette::Theme;
 use super::{Common, Exit, json, output, pixels, scene, statics, text};
 use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
@@ -44,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, value_name = "THEME", default_value_t, requires = "bode")]
     theme: Theme,
     /// Also the equations from step to step (s), inputs held constant over each
-    #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STEP", value_parser = step, allow_negative_numbers = true)]
     discretize: Option<f64>,
     /// Also how much outputs swing at these frequencies (Hz), and by how much later: by one of each input, of drives by how far they move
     #[arg(long, value_name = "HZ", value_parser = frequency, value_delimiter = ',', allow_negative_numbers = true)]
@@ -52,15 +53,15 @@ pub(super) struct Arguments {
 }
 
 fn frequency(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+    match in_unit(text, "Hz")? {
+        number if number >= 0.0 && number.is_finite() => Ok(number),
         _ => Err("a frequency in Hz is wanted, at least 0".to_owned()),
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+fn step(text: &str) -> Result<f64, String> {
+    match in_unit(text, "s")? {
+        number if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("a number > 0 is wanted".to_owned()),
     }
 }

@@ -2,6 +2,7 @@
 
 pub(super) use crate::model::problem::counted as count;
 use crate::model::problem::significant;
+use crate::quantity::{Dimension, Quantity};
 use crate::round_off::SHOWN;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -68,6 +69,23 @@ pub(super) fn small(x: f64) -> String {
     }
 }
 
+/// The number that an option gives in a unit: `0.5`, or with one of that dimension, `500 ms`.
+pub(super) fn in_unit(text: &str, unit: &str) -> Result<f64, String> {
+    if let Ok(number) = text.trim().parse() {
+        return Ok(number);
+    }
+    let quantity = Quantity::parse(text).map_err(|error| error.to_string())?;
+    match Dimension::of(unit) {
+        Ok(dimension) if quantity.dimension == dimension => Ok(quantity.value),
+        _ => Err(format!("it is measured in {unit}, not in `{}`", text[quantity.unit_start..].trim())),
+    }
+}
+
+/// A time (s) that an option gives.
+pub(super) fn time(text: &str) -> Result<f64, String> {
+    in_unit(text, "s")
+}
+
 /// Zero for a number that is round-off of others of size `scale`.
 pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
     if SHOWN.hides(x, scale) { 0.0 } else { x }
@@ -111,7 +129,17 @@ pub(super) fn times(factor: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{aligned, digits_apart, exact, mean_and_deviation, natural, ordinal};
+    use super::{aligned, digits_apart, exact, in_unit, mean_and_deviation, natural, ordinal};
+
+    #[test]
+    fn options_have_units() {
+        assert_eq!(
+            [in_unit("0.5", "s"), in_unit("-500 ms", "s"), in_unit("2 kHz", "Hz")],
+            [Ok(0.5), Ok(-0.5), Ok(2e3)]
+        );
+        assert_eq!(in_unit("2 mm", "s"), Err("it is measured in s, not in `mm`".to_owned()));
+        assert!(in_unit("soon", "s").is_err_and(|why| why.contains("soon")));
+    }
 
     #[test]
     fn numbers_of_one_thing_are_told_apart() {

@@ -1,6 +1,7 @@
 //! `picture`: one instant of a recording, without a window.
 
 use super::inputs::Inputs;
+use super::number::time;
 use super::{Exit, output, pixels, samples};
 use crate::model::contact::fits;
 use crate::record::drawing::{Drawing, Extras, LoadTime};
@@ -22,7 +23,7 @@ pub(super) struct Arguments {
     #[arg(long, short = 'o', value_name = "FILE.png|svg|pdf")]
     out: PathBuf,
     /// Show the sample nearest to this time; default: the first
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = time, allow_negative_numbers = true)]
     at: Option<f64>,
     #[command(flatten)]
     looks: Looks,

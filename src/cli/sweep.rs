@@ -5,6 +5,7 @@ mod rows;
 mod shard;
 
 use super::inputs::Inputs;
+use super::number::in_unit;
 use super::output::{self, Interrupt, Progress};
 use super::{Common, Exit};
 use crate::scenario::{LoadError, Override, Scenario, load_with};
@@ -109,8 +110,8 @@ const MOST_IN_MEMORY: u64 = 1_000_000;
 const ROWS: u64 = 64;
 
 fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(limit) if limit > 0.0 => Ok(limit),
+    match in_unit(text, "s")? {
+        limit if limit > 0.0 => Ok(limit),
         _ => Err("a time limit is a number of seconds above 0".to_owned()),
     }
 }

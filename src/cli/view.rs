@@ -1,6 +1,7 @@
 //! `view`: a recording in the Rerun viewer, or as glTF.
 
 use super::inputs::Inputs;
+use super::number::time;
 use super::{Exit, number, output, picture, samples};
 use crate::record::drawing::Extras;
 use crate::record::gltf::glb;
@@ -22,7 +23,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "URL", conflicts_with = "save")]
     connect: Option<String>,
     /// Show one instant alone, the sample nearest to this time
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = time)]
     at: Option<f64>,
     /// Draw what the hinges pass to the bodies as arrows
     #[arg(long)]

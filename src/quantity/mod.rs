@@ -106,6 +106,11 @@ impl Dimension {
         Ok(found.dimension)
     }
 
+    /// What 1 of a unit is in SI units and radians; 1 of a text that is no unit.
+    pub fn size_of(unit: &str) -> f64 {
+        Quantity::parse(&format!("1 {unit}")).map_or(1.0, |one| one.value)
+    }
+
     fn times(self, other: Self, power: i8) -> Self {
         Self(std::array::from_fn(|i| self.0[i].saturating_add(other.0[i].saturating_mul(power))))
     }

@@ -6,6 +6,7 @@ use super::reader::{Reader, number};
 use crate::model::structure::Structure;
 use crate::model::{Description, Model, Parameter};
 use crate::quantity::Dimension;
+use crate::quantity::measure::Measure;
 use crate::statics::Aim;
 use crate::suggest::closest;
 
@@ -74,8 +75,14 @@ pub(super) fn read(
             let message = format!("`{name}` is measured in {unit}, not in this unit");
             table.findings.push_value(Finding::error(value.span(), message));
         }
-        if let Some(value) = number(value.get_ref()) {
-            all.push(Aim { output: name.to_owned(), value });
+        if let Some(wanted) = number(value.get_ref()) {
+            // An output that counts in degrees is aimed at in degrees.
+            let size = if texts.is_text(&value.span()) && measure.is_some_and(|measure| measure != Measure::Plain) {
+                Dimension::size_of(unit)
+            } else {
+                1.0
+            };
+            all.push(Aim { output: name.to_owned(), value: wanted / size });
         }
     }
     all

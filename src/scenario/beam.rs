@@ -4,6 +4,7 @@ use super::body::Names;
 use super::findings::Finding;
 use super::force::between;
 use super::hinge::hinge;
+use super::quantities::Parameters;
 use super::reader::{Reader, numbers, only, rows};
 use crate::model::beam::MUCH_TURN;
 use crate::model::description::{
@@ -12,9 +13,9 @@ use crate::model::description::{
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Reads a `[[beam]]`; without a readable name there is nothing that others could refer to.
-pub(super) fn beam(table: &Reader<'_>) -> Option<BeamDescription> {
+pub(super) fn beam(table: &Reader<'_>, parameters: &Parameters) -> Option<BeamDescription> {
     let name = table.text("name")?;
-    let mut beam = BeamDescription::new(name, hinge(table, name, None).description);
+    let mut beam = BeamDescription::new(name, hinge(table, name, None, parameters).description);
     beam.shape = shape(table, name)?;
     beam.twist = table.number("twist").unwrap_or(0.0);
     let beam = common(table, beam)?;

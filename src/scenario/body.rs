@@ -4,6 +4,7 @@ use super::findings::Finding;
 use super::hinge::{Hinge, hinge, point};
 use super::mass::{Mass, STAND_IN, burn, mass};
 use super::modal::{Made, modal};
+use super::quantities::Parameters;
 use super::reader::Reader;
 use super::shape::shapes;
 use crate::model::burn::BurnDescription;
@@ -29,7 +30,7 @@ pub(super) struct Template {
 }
 
 /// Reads a `[[body]]`; without a readable name there is nothing that others could refer to.
-pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
+pub(super) fn template(table: &Reader<'_>, folder: &Path, parameters: &Parameters) -> Option<Template> {
     let name = table.text("name")?;
     let repeat = table.count("repeat");
     let shapes = shapes(table, name, folder);
@@ -40,7 +41,7 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
         mass.properties = readable.map_or(STAND_IN, |burn| burn.at(0.0));
     }
     let modal = modal(table, name, folder);
-    let mut hinge = hinge(table, name, repeat);
+    let mut hinge = hinge(table, name, repeat, parameters);
     // A marker that could not be read is there all the same: others may hang on it.
     let markers = table.names("markers").into_iter();
     let body = BodyDescription {

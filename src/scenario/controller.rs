@@ -2,6 +2,7 @@
 
 use super::couplings::name;
 use super::findings::Finding;
+use super::formulas::ambiguous;
 use super::output::MOST_COMPONENTS;
 use super::quantities::Parameters;
 use super::reader::{Reader, rows};
@@ -52,7 +53,11 @@ fn formulas(table: &Reader<'_>, owner: &str, senses: &[String], parameters: &Par
     let variables: Vec<&str> = own.iter().map(String::as_str).collect();
     let names: Vec<&str> = variables.iter().copied().chain(parameters.names()).collect();
     let read = |text: String| {
-        let Err(error) = Formula::parse(&text, &names) else { return parameters.put_into(&text, &variables) };
+        let error = match (Formula::parse(&text, &names), parameters.ambiguous(&text, &variables)) {
+            (Ok(_), None) => return parameters.put_into(&text, &variables),
+            (Ok(_), Some(both)) => ambiguous(both),
+            (Err(error), _) => error,
+        };
         let message = format!("controller `{owner}`: {}", error.in_words(&text));
         table.findings.push(Finding::error(table.span_of(KEY), message).maybe_help(error.help));
         // Stands in for it, so that nothing else is found wrong because of it.

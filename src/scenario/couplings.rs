@@ -1,12 +1,11 @@
 //! `[[loop]]`, `[[drive]]`, `[[gear]]`.
 
 use super::body::Names;
-use super::findings::Finding;
 use super::force::between;
+use super::formulas::formula;
 use super::hinge::{axes, kind};
 use super::quantities::Parameters;
 use super::reader::{Reader, Value};
-use crate::formula::Formula;
 use crate::model::couplings::{
     Closure, CoordinateName, DriveDescription, GearDescription, GearKind, LoopDescription, MotionDescription,
 };
@@ -46,19 +45,6 @@ pub(super) fn drive(table: &Reader<'_>, index: usize, parameters: &Parameters) -
 /// `hinge` and `coordinate` of a table.
 pub(super) fn hinge_coordinate(table: &Reader<'_>) -> Option<CoordinateName> {
     Some(CoordinateName { body: table.text("hinge")?.to_owned(), index: table.count("coordinate").unwrap_or(0) })
-}
-
-/// The text of a formula in these variables, with numbers in place of parameters; what is wrong with it is said at its
-/// place.
-pub(super) fn formula(table: &Reader<'_>, owner: &str, variables: &[&str], parameters: &Parameters) -> Option<String> {
-    const KEY: &str = "expression";
-    let text = table.text(KEY)?;
-    let names: Vec<&str> = variables.iter().copied().chain(parameters.names()).collect();
-    let Err(error) = Formula::parse(text, &names) else { return Some(parameters.put_into(text, variables)) };
-    let finding = Finding::error(table.span_of(KEY), format!("{owner}: {}", error.message));
-    table.findings.push_value(finding.within(error.span).maybe_help(error.help));
-    // Stands in for it, so that nothing else is found wrong because of it.
-    Some("0".to_owned())
 }
 
 /// A motion of a drive or a motor's target.

@@ -2,6 +2,8 @@
 
 use super::check::article;
 use super::findings::Finding;
+use super::formulas::put_into;
+use super::quantities::Parameters;
 use super::reader::{Reader, number, numbers, only, rows};
 use crate::hinge::Keys;
 use crate::model::description::{
@@ -23,13 +25,13 @@ pub(super) struct Hinge {
 /// A list of a hinge description.
 pub(super) type Field = fn(&mut HingeDescription) -> &mut Vec<f64>;
 
-pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hinge {
+pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>, parameters: &Parameters) -> Hinge {
     let Some(table) = body.table("hinge") else {
         return Hinge { description: HingeDescription::new(HingeKind::Fixed), next: None, each: Vec::new() };
     };
     let kind = kind(&table);
     let mut description = HingeDescription::new(kind.unwrap_or(HingeKind::Fixed));
-    description.curve = guide(&table, owner, kind);
+    description.curve = guide(&table, owner, kind, parameters);
     description.parent = table.text("parent").unwrap_or(GROUND).to_owned();
     description.at = point(&table, "at").unwrap_or(description.at);
     description.frame = table.turn("rpy");
@@ -85,14 +87,14 @@ impl Keys for Reader<'_> {
 }
 
 /// The curve of a hinge. One that could not be read has been said already; any other one will do to look at the rest.
-fn guide(table: &Reader<'_>, owner: &str, kind: Option<HingeKind>) -> Option<GuideCurve> {
+fn guide(table: &Reader<'_>, owner: &str, kind: Option<HingeKind>, parameters: &Parameters) -> Option<GuideCurve> {
     matches!(kind, Some(HingeKind::Along { .. })).then(|| {
-        let read = table.table("curve").and_then(|curve| read_guide(&curve, owner));
+        let read = table.table("curve").and_then(|curve| read_guide(&curve, owner, parameters));
         read.unwrap_or(GuideCurve::Straight { length: 1.0 })
     })
 }
 
-fn read_guide(curve: &Reader<'_>, owner: &str) -> Option<GuideCurve> {
+fn read_guide(curve: &Reader<'_>, owner: &str, parameters: &Parameters) -> Option<GuideCurve> {
     let what = format!("curve of the hinge of `{owner}`");
     let key = only(curve, &what, &["straight", "points", "helix", "parameter"])?;
     let of_formulas = ["x", "y", "z", "range"];
@@ -115,7 +117,15 @@ fn read_guide(curve: &Reader<'_>, owner: &str) -> Option<GuideCurve> {
             _ => None,
         },
         _ => {
-            let place = ["x", "y", "z"].map(|key| curve.text(key).unwrap_or("0").to_owned());
+            let parameter = curve.text("parameter")?;
+            let place = ["x", "y", "z"].map(|key| {
+                let text = curve.text(key).unwrap_or("0");
+                // What is no formula is said where the curve is built.
+                match parameters.names().is_empty() {
+                    true => text.to_owned(),
+                    false => put_into(curve, (key, text), &what, &[parameter], parameters),
+                }
+            });
             let Some(range) = curve.numbers("range").and_then(|range| <[f64; 2]>::try_from(range).ok()) else {
                 if !curve.has("range") {
                     let message = format!("{what} has no `range`");
@@ -124,7 +134,7 @@ fn read_guide(curve: &Reader<'_>, owner: &str) -> Option<GuideCurve> {
                 }
                 return None;
             };
-            Some(GuideCurve::Formulas { parameter: curve.text("parameter")?.to_owned(), place, range })
+            Some(GuideCurve::Formulas { parameter: parameter.to_owned(), place, range })
         }
     }
 }

@@ -32,9 +32,10 @@ pub(super) fn lower<'a>(
     }
     description.gravity = scenario.vector("gravity").unwrap_or(description.gravity);
     let mut spans = SpanTable::new(document);
-    bodies(&scenario, folder, &mut description, &mut spans);
+    let parameters = Parameters::read(document);
+    bodies(&scenario, (folder, &parameters), &mut description, &mut spans);
     for (index, table) in scenario.tables("beam").iter().enumerate() {
-        match beam(table) {
+        match beam(table, &parameters) {
             Some(beam) => {
                 description.beams.push(beam);
                 spans.beams.push(("beam", index));
@@ -48,7 +49,6 @@ pub(super) fn lower<'a>(
     let first = description.beams.len() - cables.len();
     let mut closed = description.beams[first..].to_vec();
     closed.iter_mut().zip(&cables).for_each(|(cable, table)| close(cable, table, &names));
-    let parameters = Parameters::read(document);
     for (index, table) in scenario.tables("force").iter().enumerate() {
         if let Some(force) = force(table, index, &names) {
             description.forces.push(force);
@@ -119,9 +119,14 @@ fn cables<'r, 'a>(scenario: &Reader<'r>, description: &mut Description, spans: &
     read
 }
 
-fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, spans: &mut SpanTable<'_>) {
+fn bodies(
+    scenario: &Reader<'_>,
+    (folder, parameters): (&Path, &Parameters),
+    description: &mut Description,
+    spans: &mut SpanTable<'_>,
+) {
     let tables = scenario.tables("body");
-    let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder)).collect();
+    let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder, parameters)).collect();
     // All of them before any: every one is made of memory.
     let mut total = 0_usize;
     for (table, template) in tables.iter().zip(&templates) {

@@ -39,6 +39,7 @@ mod curve;
 mod event;
 mod findings;
 mod force;
+mod formulas;
 mod hinge;
 mod lint;
 mod lower;
@@ -188,8 +189,8 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
 /// Problems of a scene that was read with these changes, at their places: for those who ask of it what its model does not.
 pub fn locate(scenario: &Scenario, overrides: &[Override], problems: Vec<Problem>) -> Diagnostics {
     let changes = overrides.iter().collect::<Vec<_>>();
-    let (_, mut located) = document(&scenario.name, &scenario.text, &changes, |document, _, _, findings| {
-        let (_, spans) = checked(document, folder(&scenario.name), findings);
+    let (_, mut located) = document(&scenario.name, &scenario.text, &changes, |document, _, numbers, findings| {
+        let (_, spans) = checked(document, folder(&scenario.name), numbers, findings);
         spans::report(&spans, problems, findings);
     });
     // Warnings were told when it was read.
@@ -216,7 +217,7 @@ fn parse_owned(name: &str, text: String, overrides: &[Override]) -> Result<Scena
 fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenario>, Vec<Diagnostic>) {
     let changes = overrides.iter().collect::<Vec<_>>();
     document(name, text, &changes, |document, models, numbers, findings| {
-        let (mut description, spans) = checked(document, folder(name), findings);
+        let (mut description, spans) = checked(document, folder(name), numbers, findings);
         description.named = named(numbers, (name, text, overrides));
         let built = report(document, &description, &spans, findings);
         check_start(document, &description, (&built, &spans), findings);
@@ -288,7 +289,7 @@ fn named(numbers: &Numbers, (name, text, overrides): (&str, &str, &[Override])) 
         let values: Vec<Override> = set.iter().map(|(name, value)| Override::of_parameter(name, *value)).collect();
         let changes: Vec<&Override> = overrides.iter().chain(&values).collect();
         let (scene, problems) = document(&name, &text, &changes, |document, _, numbers, findings| {
-            let (description, _) = checked(document, folder(&name), findings);
+            let (description, _) = checked(document, folder(&name), numbers, findings);
             Description { named: NamedNumbers::listed(numbers.parameters.clone()), ..description }
         });
         match problems.into_iter().find(|problem| problem.severity == Severity::Error) {
@@ -310,7 +311,6 @@ fn read(
     let whole = Reader::new(document, 0..0, findings);
     let unknown = unknown::read(&whole, &description);
     let aim = aim::read(&whole, &description, &unknown, numbers);
-    measured::check(&whole, &description, numbers);
     let margin = unknown::margin(&whole, &description);
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
@@ -337,9 +337,16 @@ fn read(
 }
 
 /// The scene of a document, checked by itself; what is wrong with it is in `findings`.
-fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings) -> (Description, SpanTable<'a>) {
+fn checked<'a>(
+    document: &'a DeTable<'a>,
+    folder: &Path,
+    numbers: &Numbers,
+    findings: &'a Findings,
+) -> (Description, SpanTable<'a>) {
     check::table(&format::SCENARIO, document, findings);
-    lower::lower(document, folder, findings)
+    let (mut description, spans) = lower::lower(document, folder, findings);
+    measured::settle(&Reader::new(document, 0..0, findings), &mut description, numbers);
+    (description, spans)
 }
 
 /// Builds the model of a scene; what is wrong with it is told at its places in the document.

@@ -59,7 +59,7 @@ pub fn convert_text(path: &Path, text: String, options: &Options) -> Result<Impo
     let document = merge(DeTable::new(), &models, &mut sources, &findings);
     if findings.errors() == 0 {
         let folder = options.folder.as_deref().or(path.parent()).unwrap_or(Path::new(""));
-        let (description, spans) = checked(&document, folder, &findings);
+        let (description, spans) = checked(&document, folder, &quantities::Numbers::default(), &findings);
         report(&document, &description, &spans, &findings);
     }
     let fine = findings.errors() == 0;

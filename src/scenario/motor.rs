@@ -1,6 +1,7 @@
 //! `[[motor]]`.
 
-use super::couplings::{formula, hinge_coordinate, motion, name};
+use super::couplings::{hinge_coordinate, motion, name};
+use super::formulas::formula;
 use super::quantities::Parameters;
 use super::reader::Reader;
 use crate::model::couplings::MotionDescription;

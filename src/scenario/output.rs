@@ -1,10 +1,10 @@
 //! `[[output]]`: what is asked of a scene.
 
 use super::body::Names;
-use super::couplings::formula;
 use super::findings::Finding;
 use super::force::{between, end};
 use super::format::{COMPONENTS, SECTIONS};
+use super::formulas::formula;
 use super::quantities::Parameters;
 use super::reader::Reader;
 use super::spans::SpanTable;

@@ -112,7 +112,7 @@ fn coordinate(table: &Reader<'_>, description: &Description) -> Option<Parameter
     let refuse = |message: String, help: Option<String>| {
         table.findings.push(Finding::error(table.span_of("coordinate"), message).maybe_help(help));
     };
-    match Parameter::find(description, address).as_deref() {
+    match Parameter::find(description, &by_place(description, address)).as_deref() {
         Ok([one]) if one.field == Field::Position => return Some(one.clone()),
         Ok([one]) => refuse(
             format!("`{}` is no coordinate of a hinge", one.address),
@@ -125,4 +125,19 @@ fn coordinate(table: &Reader<'_>, description: &Description) -> Option<Parameter
         Err(error) => refuse(error.message.clone(), error.help.clone()),
     }
     None
+}
+
+/// The address of a coordinate that is called as in reports: `bar.angle` is `bar.position`, `slider.y` is `slider.position[1]`.
+fn by_place(description: &Description, address: &str) -> String {
+    let named = |(body, name): (&str, &str)| {
+        let body = description.bodies.iter().find(|one| one.name == body)?;
+        let positions = body.hinge.kind.positions();
+        let place = positions.iter().position(|(own, _)| *own == name)?;
+        Some(if positions.len() == 1 {
+            format!("{}.position", body.name)
+        } else {
+            format!("{}.position[{place}]", body.name)
+        })
+    };
+    address.rsplit_once('.').and_then(named).unwrap_or_else(|| address.to_owned())
 }

@@ -233,6 +233,11 @@ impl Numbers {
     }
 }
 
+/// Whether more than one unit will do.
+fn is_open(units: Option<&[&str]>) -> bool {
+    units.is_none_or(|units| units.len() > 1)
+}
+
 /// In place of a unit: one number stands for coordinates that are measured in different units.
 const MIXED: &str = "a list, one number for each coordinate";
 
@@ -342,7 +347,7 @@ impl Pass<'_> {
         let units = self.units(place, at);
         if let Some(quantity) = quantity(&subject, value, units.as_deref(), self.findings) {
             let span = value.span();
-            if units.is_none() {
+            if is_open(units.as_deref()) {
                 self.numbers.open.insert((span.start, span.end), quantity.dimension.into());
             }
             self.numbers.insert(&span, quantity.value);
@@ -426,7 +431,7 @@ impl Pass<'_> {
             return self.findings.push_value(Finding::error(value.span(), message));
         }
         let span = value.span();
-        if units.is_none() {
+        if is_open(units.as_deref()) {
             self.numbers.open.insert((span.start, span.end), measure);
         }
         self.numbers.insert(&span, found);

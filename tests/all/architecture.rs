@@ -24,7 +24,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("integrate", &[]),
     ("quantity", &["suggest"]),
     // `quantity` for what formulas measure.
-    ("formula", &["quantity", "suggest"]),
+    ("formula", &["quantity", "suggest", "round_off"]),
     ("force", &["spatial"]),
     ("hinge", &[]),
     // `formula` for curves of guided motion.
@@ -194,6 +194,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         &[
             // `element` for the mass of beams.
             "element",
+            // `quantity` for options with units.
+            "quantity",
             "contact",
             "fmu",
             "foreign",

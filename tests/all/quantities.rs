@@ -400,3 +400,108 @@ fn what_is_compared_with_an_output_has_its_unit() {
     }
     read(&controller("setpoint = [\"2 cm\", \"10 deg\"]")).expect("a setpoint with units");
 }
+
+/// Gains have the unit of what they drive over that of what they sense, biases and limits that of what they drive.
+#[test]
+fn gains_of_controllers_have_units() {
+    use stillpoint::model::controller::ControlLawDescription;
+    let scene = |law: &str, senses: &str| {
+        let text = "[[body]]\nname = \"cart\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1, 0, 0] }\n\
+                    [[body]]\nname = \"arm\"\nmass = 1.0\ncenter = [0, 0, -1]\nhinge = { type = \"revolute\", parent = \"cart\", axis = [0, 1, 0] }\n\
+                    [[motor]]\nname = \"push\"\ntype = \"input\"\nhinge = \"cart\"\n[[motor]]\nname = \"turn\"\ntype = \"input\"\nhinge = \"arm\"\n\
+                    [[output]]\nname = \"x\"\ntype = \"coordinate\"\nof = \"cart\"\n[[output]]\nname = \"angle\"\ntype = \"coordinate\"\nof = \"arm\"\n\
+                    [[controller]]\nname = \"c\"\nperiod = 0.01\n";
+        scenario::parse("c.toml", &format!("{text}senses = {senses}\n{law}\n"), &[])
+    };
+    let both = "[\"x\", \"angle\"]\ndrives = [\"push\", \"turn\"]";
+    let law = |text: &str, senses: &str| {
+        let scenario = scene(text, senses).unwrap_or_else(|problems| panic!("{problems}"));
+        scenario.description.controllers[0].law.clone()
+    };
+    let gain =
+        "type = \"gain\"\nmatrix = [[\"2 N/mm\", \"3 N/rad\"], [\"4 N\", \"1 N m/deg\"]]\nbias = [\"1 kN\", \"2 N m\"]";
+    let ControlLawDescription::Gain { matrix, bias, .. } = law(gain, both) else { panic!("a gain") };
+    assert!((matrix[1][1] - 180.0 / std::f64::consts::PI).abs() < 1e-12, "{matrix:?}");
+    assert_eq!((matrix[0].clone(), matrix[1][0], bias), (vec![2000.0, 3.0], 4.0, vec![1000.0, 2.0]));
+    let one = "\"x\"\ndrives = \"push\"";
+    let pid = "type = \"pid\"\nproportional = \"1 N/mm\"\nintegral = \"2 N/(mm s)\"\nderivative = \"3 N s/m\"\nlimit = \"2 kN\"\nbias = \"1 N\"";
+    let ControlLawDescription::Pid { proportional, integral, derivative, limit, .. } = law(pid, one) else {
+        panic!("a pid")
+    };
+    assert_eq!((proportional, integral, derivative, limit), (1000.0, 2000.0, 3.0, Some(2000.0)));
+    let refused = [
+        (gain.replace("2 N/mm", "2 N/s"), both, "this gain is measured in N per m, not in this unit"),
+        (gain.replace("1 N m/deg", "1 N/deg"), both, "this gain is measured in N m per rad, not in this unit"),
+        (gain.replace("2 N m", "2 N"), both, "`turn` is measured in N m, not in this unit"),
+        (pid.replace("1 N/mm", "1 N"), one, "this gain is measured in N per m, not in this unit"),
+        (pid.replace("2 N/(mm s)", "2 N/mm"), one, "this gain is measured in N per m and second, not in this unit"),
+        (pid.replace("3 N s/m", "3 N/m"), one, "this gain is measured in N per m, times a second, not in this unit"),
+        (pid.replace("2 kN", "2 N m"), one, "`push` is measured in N, not in this unit"),
+    ];
+    for (law, senses, message) in refused {
+        let problems = scene(&law, senses).map(|_| ()).expect_err(message).to_string();
+        assert!(problems.contains(message), "{problems}");
+    }
+}
+
+/// An output that counts in degrees or millimetres is compared with degrees or millimetres, whatever unit the number is written in.
+#[test]
+fn outputs_in_units_of_their_own_are_compared_in_those() {
+    let text = "[[body]]\nname = \"arm\"\nmass = 1.0\ncenter = [0.3, 0, 0]\nhinge = { type = \"revolute\", axis = [0, -1, 0], stiffness = 20.0 }\n\
+                [[motor]]\nname = \"turn\"\ntype = \"input\"\nhinge = \"arm\"\n\
+                [[output]]\nname = \"angle\"\ntype = \"coordinate\"\nof = \"arm\"\n\
+                [[output]]\nname = \"deg\"\ntype = \"expression\"\nexpression = \"degrees(angle)\"\nunit = \"deg\"\n";
+    let read = |more: &str| {
+        scenario::parse("deg.toml", &format!("{text}{more}"), &[]).unwrap_or_else(|problems| panic!("{problems}"))
+    };
+    for (value, expected) in [("\"30 deg\"", 30.0), ("\"0.1 rad\"", 18.0 / std::f64::consts::PI), ("30.0", 30.0)] {
+        let scenario = read(&format!("[[event]]\noutput = \"deg\"\nvalue = {value}\n"));
+        let found = scenario.description.events[0].value;
+        assert!((found - expected).abs() < 1e-12, "{value}: {found}");
+        let scenario = read(&format!("[statics]\nunknown = [\"arm.rest\"]\n[statics.aim]\ndeg = {value}\n"));
+        assert!((scenario.aim[0].value - expected).abs() < 1e-12, "{value}: {:?}", scenario.aim);
+    }
+    // Torque by an angle in degrees: so many newton metres for each of these.
+    let controller = |law: &str| {
+        let scenario = read(&format!("[[controller]]\nperiod = 0.01\nsenses = \"deg\"\ndrives = \"turn\"\n{law}\n"));
+        scenario.description.controllers[0].law.clone()
+    };
+    use stillpoint::model::controller::ControlLawDescription;
+    let pid = "type = \"pid\"\nproportional = \"2 N m/rad\"\nsetpoint = \"45 deg\"";
+    let ControlLawDescription::Pid { proportional, setpoint, .. } = controller(pid) else { panic!("a pid") };
+    assert!((setpoint - 45.0).abs() < 1e-12 && (proportional - std::f64::consts::PI / 90.0).abs() < 1e-12);
+    let gain = "type = \"gain\"\nmatrix = [[\"2 N m/deg\"]]\nsetpoint = [\"45 deg\"]";
+    let ControlLawDescription::Gain { matrix, setpoint, .. } = controller(gain) else { panic!("a gain") };
+    assert!((setpoint[0] - 45.0).abs() < 1e-12 && (matrix[0][0] - 2.0).abs() < 1e-12, "{matrix:?} {setpoint:?}");
+}
+
+/// A name that stands for a parameter and for a variable of a formula is no guess.
+#[test]
+fn parameters_are_not_taken_for_variables_of_formulas() {
+    let scene = |parameter: &str, rest: &str| {
+        let text = format!(
+            "[parameters]\n{parameter} = 3.0\n[[body]]\nname = \"a\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0] }}\n[[output]]\nname = \"z\"\ntype = \
+             \"coordinate\"\nof = \"a\"\n{rest}\n"
+        );
+        scenario::parse("p.toml", &text, &[]).map(|_| ()).map_err(|problems| problems.to_string())
+    };
+    let motor = |formula: &str| {
+        format!("[[motor]]\nname = \"m\"\ntype = \"expression\"\nhinge = \"a\"\nexpression = \"{formula}\"")
+    };
+    let output = |formula: &str| format!("[[output]]\nname = \"y\"\ntype = \"expression\"\nexpression = \"{formula}\"");
+    let curve = |formula: &str| {
+        format!(
+            "[[body]]\nname = \"b\"\nmass = 1.0\nhinge = {{ type = \"along\", curve = {{ parameter = \"u\", x = \"u\", z = \"{formula}\", range = \
+             [0, 2] }} }}"
+        )
+    };
+    for (parameter, rest) in
+        [("t", motor("2*{t}")), ("v", motor("2*v")), ("z", output("{z} + 1")), ("u", curve("0.1*{u}"))]
+    {
+        let error = scene(parameter, &rest).expect_err(parameter);
+        assert!(error.contains(&format!("`{parameter}` is a variable of this formula")), "{error}");
+    }
+    for rest in [motor("2*{w}*t"), output("w*z"), curve("0.1*{w}*u^2")] {
+        scene("w", &rest).unwrap_or_else(|error| panic!("{rest}: {error}"));
+    }
+}

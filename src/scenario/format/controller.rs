@@ -36,6 +36,7 @@ pub const CONTROLLER: Table = Table {
             Kind::List(&Kind::List(&NUMBER, &[]), &[]),
             "A row for each input, a column for each number that is sensed.",
         )
+        .unit(ANY_UNIT)
         .required()
         .only(&["gain"])
         .example("[[-1.0, 30.0, -2.0, 6.0]]"),
@@ -51,9 +52,18 @@ pub const CONTROLLER: Table = Table {
         .unit("N or N m")
         .only(&["gain"])
         .example("[0.0]"),
-        Key::new("proportional", NUMBER, "Gain on the error e.").default("0.0").only(&["pid"]).example("800.0"),
-        Key::new("integral", NUMBER, "Gain on the sum of T e.").default("0.0").only(&["pid"]).example("200.0"),
+        Key::new("proportional", NUMBER, "Gain on the error e.")
+            .unit(ANY_UNIT)
+            .default("0.0")
+            .only(&["pid"])
+            .example("800.0"),
+        Key::new("integral", NUMBER, "Gain on the sum of T e.")
+            .unit(ANY_UNIT)
+            .default("0.0")
+            .only(&["pid"])
+            .example("200.0"),
         Key::new("derivative", NUMBER, "Gain on the rate of the error; nothing at the first instant.")
+            .unit(ANY_UNIT)
             .default("0.0")
             .only(&["pid"])
             .example("60.0"),

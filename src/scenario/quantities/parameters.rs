@@ -5,6 +5,7 @@ use crate::formula::{self, Formula};
 use crate::model::parameter::{self as model, NamedNumber};
 use crate::quantity::measure::Measure;
 use crate::quantity::{Dimension, Quantity};
+use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 /// The name of their table.
@@ -86,6 +87,12 @@ impl Parameters {
         let mut list: Vec<NamedNumber> = self.names.iter().zip(&self.numbers).map(of).collect();
         list.sort_by(|a, b| a.name.cmp(&b.name));
         list
+    }
+
+    /// The first name in a formula that stands for a variable of its own and for a parameter, with where it stands.
+    pub(in crate::scenario) fn ambiguous(&self, text: &str, variables: &[&str]) -> Option<(String, Range<usize>)> {
+        let is_both = |name: &&str| variables.contains(name) && self.names.iter().any(|known| known == name);
+        formula::names(text).into_iter().find(|(name, _)| is_both(&name.as_str()))
     }
 
     /// A formula that has passed [`Formula::parse`] with these names, with numbers in their places.

@@ -292,7 +292,7 @@ fn experiments(table: &MeasuredTable, roles: &Roles) -> Vec<Experiment> {
             all[known].times.push(table.columns[time].values[row]);
         }
         for (measure, one) in roles.measured.iter().enumerate() {
-            let value = table.columns[one.column].values[row];
+            let value = table.columns[one.column].values[row] / one.size;
             if !value.is_nan() {
                 all[known].readings.push(Reading { row, measure, time: 0, value });
             }

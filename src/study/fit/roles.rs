@@ -29,8 +29,10 @@ pub(super) struct MeasuredColumn {
     /// Its place in the table.
     pub column: usize,
     pub of: Measure,
-    /// SI unit; `1` for a number without.
+    /// Its unit; `1` for a number without.
     pub unit: String,
+    /// What numbers of the table, in SI units, are divided by: what 1 of its unit is.
+    pub size: f64,
 }
 
 /// What the columns are.
@@ -116,7 +118,9 @@ impl Roles {
         };
         let Some((of, unit)) = found else { return Ok(None) };
         check_unit(column, &unit)?;
-        Ok(Some(MeasuredColumn { column: place, of, unit }))
+        // Without a unit in its heading a column counts as what is measured does.
+        let size = if column.dimension.is_some() { Dimension::size_of(&unit) } else { 1.0 };
+        Ok(Some(MeasuredColumn { column: place, of, unit, size }))
     }
 
     /// A hinge coordinate or rate by its own name, as recordings and tables call it: it becomes an output.

@@ -346,3 +346,13 @@ fn a_path_lifts_a_loop_off_its_stop() {
     near(lever * last.position[0].sin(), 10.0, 1e-8);
     near(last.position[2], last.position[0], 1e-10);
 }
+
+/// A coordinate is called as reports call it, too.
+#[test]
+fn coordinates_have_the_names_of_reports() {
+    for name in ["joint.position", "joint.distance"] {
+        let (scenario, _) = shipped("snap_through", &[&format!("statics.path.coordinate={name:?}")]);
+        let found = scenario.path.as_ref().expect("a path").coordinate.as_ref().expect("a coordinate");
+        assert_eq!(found.address, "joint.position");
+    }
+}
