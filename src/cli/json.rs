@@ -207,7 +207,7 @@ fn mode(mode: &crate::statics::NaturalMode) -> Value {
 
 /// What `run --verify` found.
 pub(super) fn verified(verified: &Verified) -> Value {
-    let Verified { method, tolerance, length, angle, speed, rate, time, events } = verified;
+    let Verified { method, tolerance, captured, length, angle, speed, rate, time, events } = verified;
     let events = events.as_ref().map(|found| {
         json!({
             "events": found.events, "same": found.same, "apart": found.apart, "differ_from": found.differ_from,
@@ -215,7 +215,7 @@ pub(super) fn verified(verified: &Verified) -> Value {
         })
     });
     json!({
-        "method": method.name(), "tolerance": tolerance,
+        "method": method.name(), "tolerance": tolerance, "captured": captured,
         "length": length, "angle": angle, "speed": speed, "rate": rate, "time": time, "events": events,
     })
 }

@@ -184,6 +184,8 @@ struct Run<'m, 'f> {
     stopped_by: Option<String>,
     stopped_with: Vec<String>,
     timetable: Timetable,
+    /// Captured steps are this part of what they may be.
+    captured: f64,
     /// `None` if nothing sets inputs.
     control: Option<Control<'f>>,
     /// The step that would have followed the last one before an instant (s).
@@ -249,6 +251,7 @@ impl<'m, 'f> Run<'m, 'f> {
             stopped_by: None,
             stopped_with: Vec::new(),
             timetable: Timetable::new(model, [begin, end], search.stride),
+            captured: search.captured,
             control: Control::new(model, begin, function),
             carried: None,
             rests,

@@ -33,6 +33,9 @@ pub(in crate::cli) fn verified(verified: &Verified) -> String {
     let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     let (method, tolerance) = (verified.method.name(), verified.tolerance);
     let mut out = format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}");
+    if verified.captured {
+        out += ", captured steps an eighth as long";
+    }
     if let Some(VerifiedEvents { events, same, apart, differ_from, scanned, beyond }) = &verified.events {
         let _ = write!(out, "\n  checked      {same} of {} in both runs", count(*events, "event", "events"));
         if *same > 0 {

@@ -8,6 +8,9 @@
 //! **Longest steps** where steps could miss what a formula or a sine does are others: the ends of both runs' steps fall together nowhere
 //! but at breaks (`Search::CHECK`).
 //!
+//! **Captured steps** ([`crate::simulate::contact`]) are none of either method: the second run has an eighth of them, and an error between them
+//! and their halves of a 64th. Their order is one, so that what they differ by is seven eighths of the error of the first, or more.
+//!
 //! **Events** are looked for in another way, too: other looks within other steps, and another root finder. What happens to
 //! each stop and each watched number is compared in order; and between the events of the second run its dense output is
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.
@@ -45,6 +48,8 @@ pub struct Verified {
     pub method: Method,
     /// Its tolerance.
     pub tolerance: f64,
+    /// Whether the first run has captured steps; those of the second are an eighth as long.
+    pub captured: bool,
     /// Of distances (m).
     pub length: f64,
     /// Of angles, and of the turn between quaternions (rad).
@@ -129,6 +134,7 @@ pub fn verify(
     let mut found = Verified {
         method,
         tolerance,
+        captured: first.capture_steps > 0,
         length: 0.0,
         angle: 0.0,
         speed: 0.0,

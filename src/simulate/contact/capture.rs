@@ -1,8 +1,9 @@
 //! Many contacts, or too many events: steps that capture all of an instant's events at once.
 //!
 //! ```text
-//! (1)  q_m = q ⊞ ½ h v,   v_f = v + h q̈_free(q_m, ½ (v + v_f)),   v⁺ = v_f + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
+//! (1)  q_m = q ⊞ ½ h v,   v_f = v + h q̈_free(q_m, ½ (v + v_f + h p)),   v⁺ = v_f + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
 //! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + ½ h c + n (2 max(g_m, 0) / h + e min(u_n, 0))
+//!      p   M⁻¹ Jᵀ λ / h of the step before: what impulses do within the step to what depends on velocities
 //!      c   by how much u̇ is more than J q̈: what the contact's own way over the bodies does
 //! ```
 //!
@@ -57,6 +58,8 @@ const SINKS: f64 = 0.25;
 pub(super) struct Memory {
     /// Impulses of the last step over its length (N).
     forces: Vec<(Id, Vector3<f64>)>,
+    /// What they accelerated with (m/s², rad/s²).
+    pressed: Vec<f64>,
     /// What pushed in the last step.
     active: Vec<Id>,
     calm: usize,
@@ -94,17 +97,23 @@ pub(in crate::simulate) struct Capture {
     progress: Progress,
     /// Positions may differ by this, in parts of these scales.
     tolerance: f64,
+    /// Steps are this part of what they may be.
+    part: f64,
     scales: Vec<f64>,
     before: (Vec<f64>, Vec<f64>),
     next: Vec<f64>,
 }
 
 impl Capture {
-    /// From a start to its end.
+    /// From a start to its end, at a run's tolerance; `part`: see [`crate::simulate::events::search::Search`].
     ///
     /// # Errors
     /// A start that is none.
-    pub(in crate::simulate) fn new(motion: &Equations, start: Start<'_>, tolerance: f64) -> Result<Self, StepError> {
+    pub(in crate::simulate) fn new(
+        motion: &Equations,
+        start: Start<'_>,
+        (tolerance, part): (f64, f64),
+    ) -> Result<Self, StepError> {
         let before = (start.position.to_vec(), start.velocity.to_vec());
         let progress = Progress::new(motion, start)?;
         let (mut scales, model) = (motion.scales().0.to_vec(), motion.model());
@@ -112,8 +121,8 @@ impl Capture {
             let slides = model.links.iter().filter(|link| link.joint.is_distance());
             slides.for_each(|link| scales[link.position] = contacts.lengths[1]);
         }
-        let tolerance = tolerance.sqrt().clamp(COARSE[0], COARSE[1]);
-        Ok(Self { progress, tolerance, scales, before, next: Vec::new() })
+        let tolerance = tolerance.sqrt().clamp(COARSE[0], COARSE[1]) * part * part;
+        Ok(Self { progress, tolerance, part, scales, before, next: Vec::new() })
     }
 
     /// A step and its halves, which are what is kept.
@@ -121,15 +130,23 @@ impl Capture {
     /// # Errors
     /// A state that cannot be evaluated.
     fn attempt(&self, motion: &mut Equations, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
-        let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
+        let memory = motion.contacts.as_ref().map(|contacts| &contacts.memory);
+        let (warm, pressed) =
+            memory.map_or_else(Default::default, |memory| (memory.forces.clone(), memory.pressed.clone()));
         let smallest = motion.contacts.as_ref().map_or(0.0, |contacts| contacts.lengths[0]);
         let fine = FOUND * self.tolerance * smallest;
-        let ask = Ask { warm: &warm, fine, sweeps: SWEEPS_OF_STEP, ahead: Ahead::Strikes };
+        let ask = Ask { warm: &warm, pressed: &pressed, fine, sweeps: SWEEPS_OF_STEP, ahead: Ahead::Strikes };
         let pushing = motion.system.phase().pushing.clone();
         let whole = moreau(motion, time, [q, v], step, ask)?;
-        let first = moreau(motion, time, [q, v], 0.5 * step, ask)?;
+        let first = moreau(motion, time, [q, v], 0.5 * step, Ask { pressed: &whole.pressed, ..ask })?;
         let from = [first.position.as_slice(), first.velocity.as_slice()];
-        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, Ask { warm: &first.forces, ..ask })?;
+        let mut made = moreau(
+            motion,
+            time + 0.5 * step,
+            from,
+            0.5 * step,
+            Ask { warm: &first.forces, pressed: &first.pressed, ..ask },
+        )?;
         motion.system.phase_mut().pushing = pushing;
         let off = |[a, b]: [&[f64]; 2], scales: &[f64]| {
             let both = a.iter().zip(b).zip(scales);
@@ -202,6 +219,7 @@ fn remember(motion: &mut Equations, tried: Tried, times: [f64; 2], next: impl Fn
     memory.calm = if active == memory.active { memory.calm + 1 } else { 0 };
     memory.active = active;
     memory.forces = made.forces;
+    memory.pressed = made.pressed;
     memory.still = if still { memory.still + 1 } else { 0 };
 }
 
@@ -211,7 +229,7 @@ impl Stepper<Equations> for Capture {
         if left <= 0.0 {
             return Ok(());
         }
-        let span = motion.model().time_scale();
+        let span = self.part * motion.model().time_scale();
         let (q, v) = (self.progress.position().to_vec(), self.progress.velocity().to_vec());
         let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
         if contacts.memory.depth.is_none() {
@@ -298,7 +316,7 @@ impl Equations {
     fn press_at(&mut self, time: f64, state: &State, fine: f64, (sweeps, ahead): (usize, Ahead)) -> Result<(), Fault> {
         let warm = self.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
         let step = FIRST * self.model().time_scale();
-        let ask = Ask { warm: &warm, fine, sweeps, ahead };
+        let ask = Ask { warm: &warm, pressed: &[], fine, sweeps, ahead };
         // Stops that the middle of the step touches push there, and begin to when a step has gone there.
         let pushing = self.system.phase().pushing.clone();
         let made = moreau(self, time, [&state.position, &state.velocity], step, ask);

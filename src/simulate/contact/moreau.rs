@@ -33,6 +33,8 @@ const IMMOVABLE: f64 = 1e-12;
 pub(super) struct Made {
     pub(super) position: Vec<f64>,
     pub(super) velocity: Vec<f64>,
+    /// What impulses accelerate with over the step (m/s², rad/s²); empty where something is struck, for that they do at once.
+    pub(super) pressed: Vec<f64>,
     /// Impulses over the length of the step (N, N m).
     pub(super) forces: Vec<(Id, Vector3<f64>)>,
     /// What impulses and compliant stops take out (J).
@@ -195,6 +197,8 @@ pub(super) enum Ahead {
 pub(super) struct Ask<'a> {
     /// Forces to begin with.
     pub(super) warm: &'a [(Id, Vector3<f64>)],
+    /// What impulses are expected to accelerate with; empty for nothing.
+    pub(super) pressed: &'a [f64],
     /// Rates of contacts are found to this over the step (m).
     pub(super) fine: f64,
     /// Sweeps at most.
@@ -202,25 +206,28 @@ pub(super) struct Ask<'a> {
     pub(super) ahead: Ahead,
 }
 
-/// `v_f` of (1) by fixed-point iteration; whether it has been found: a step in which something turns by more than a radian or so is too long.
+/// `v_f` of (1) by fixed-point iteration, and the velocity in the middle of the step, with what impulses are expected to do by then; whether both
+/// have been found: a step in which something turns by more than a radian or so is too long.
 fn fly(
     system: &mut System,
     time: f64,
     [position, v]: [&[f64]; 2],
-    h: f64,
-    after: &mut Vec<f64>,
+    (h, pressed): (f64, &[f64]),
+    [after, middle]: [&mut Vec<f64>; 2],
 ) -> Result<bool, Fault> {
     let mut a = vec![0.0; v.len()];
-    let mut middle = v.to_vec();
+    let by_impulses = |i: usize| 0.5 * h * pressed.get(i).copied().unwrap_or(0.0);
+    middle.clear();
+    middle.extend_from_slice(v);
     let mut last = f64::INFINITY;
     for _ in 0..MOST_ITERATIONS {
-        system.at_without_contact(time, position, &middle).into_accelerations(&mut a)?;
+        system.at_without_contact(time, position, middle).into_accelerations(&mut a)?;
         after.clear();
         after.extend(v.iter().zip(&a).map(|(v, a)| v + h * a));
         let size = after.iter().chain(v).fold(0.0, |most: f64, v| most.max(v.abs()));
         let mut change = 0.0_f64;
-        for (middle, (v, after)) in middle.iter_mut().zip(v.iter().zip(&*after)) {
-            let next = 0.5 * (v + after);
+        for (i, (middle, (v, after))) in middle.iter_mut().zip(v.iter().zip(&*after)).enumerate() {
+            let next = 0.5 * (v + after) + by_impulses(i);
             change = change.max((next - *middle).abs());
             *middle = next;
         }
@@ -343,7 +350,7 @@ pub(super) fn moreau(
     time: f64,
     [q, v]: [&[f64]; 2],
     h: f64,
-    Ask { warm, fine, sweeps, ahead }: Ask<'_>,
+    Ask { warm, pressed, fine, sweeps, ahead }: Ask<'_>,
 ) -> Result<Made, Fault> {
     let mut position = q.to_vec();
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
@@ -351,8 +358,8 @@ pub(super) fn moreau(
     let mut velocity = vec![0.0; v.len()];
     motion.press_stops(&position, v);
     let Equations { contacts, system, nonsmooth, .. } = motion;
-    let flies = fly(system, time + 0.5 * h, [&position, v], h, &mut velocity)?;
-    let middle: Vec<f64> = v.iter().zip(&velocity).map(|(v, after)| 0.5 * (v + after)).collect();
+    let mut middle = Vec::with_capacity(v.len());
+    let flies = fly(system, time + 0.5 * h, [&position, v], (h, pressed), [&mut velocity, &mut middle])?;
     let damped = |nonsmooth: &Nonsmooth| h * nonsmooth.dissipated(system.phase(), &position, &middle);
     let by_stops = nonsmooth.as_ref().map_or(0.0, damped);
     let mut mass =
@@ -395,6 +402,7 @@ pub(super) fn moreau(
     let solve = |problem: &mut Problem| {
         bounced(problem, &rebounds, &free, |problem| problem.sweep_to(&guesses, fine / h, sweeps))
     };
+    let flown = velocity.clone();
     let (mut found, held_back) =
         pushed(&mut problem, &supports, &blocks, (v, &mut velocity), (h, contacts.kept), solve);
     drag(&mut mass, &problem, &supports, &velocity, &mut found.forces, contacts.slow);
@@ -415,9 +423,12 @@ pub(super) fn moreau(
     let turned = turned(&contacts.model, &supports, [v, &velocity]).max(h * stops);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
+    let by_impulses = |(after, before): (&f64, &f64)| (after - before) / h;
+    let pressed = if struck { Vec::new() } else { velocity.iter().zip(&flown).map(by_impulses).collect() };
     Ok(Made {
         position: end,
         velocity,
+        pressed,
         forces,
         lost,
         work,

@@ -19,15 +19,17 @@ pub(in crate::simulate) struct Search {
     pub(in crate::simulate) root: Root,
     /// Longest steps are this part of what they may be.
     pub(in crate::simulate) stride: f64,
+    /// Captured steps are this part of what they may be, and differ from their halves by no more than the square of it.
+    pub(in crate::simulate) captured: f64,
 }
 
 impl Search {
     /// That of a run.
-    pub(in crate::simulate) const RUN: Self = Self { looks: 5, root: Root::Itp, stride: 1.0 };
+    pub(in crate::simulate) const RUN: Self = Self { looks: 5, root: Root::Itp, stride: 1.0, captured: 1.0 };
     /// That of the run which checks another: it shares no time with the first, and no longest step. Multiples of the golden section
     /// are as far from whole numbers as can be.
     pub(in crate::simulate) const CHECK: Self =
-        Self { looks: 13, root: Root::Illinois, stride: 0.618_033_988_749_894_8 };
+        Self { looks: 13, root: Root::Illinois, stride: 0.618_033_988_749_894_8, captured: 0.125 };
 }
 
 impl Root {

@@ -29,8 +29,8 @@ impl Run<'_, '_> {
         }
         if motion.is_captured() {
             motion.let_go(time, &self.state).map_err(|fault| RunError::Sample { time, fault })?;
-            let tolerance = settings.tolerance;
-            let capture = Capture::new(motion, start, tolerance).map_err(|error| named(self.model, &error))?;
+            let (tolerance, part) = (settings.tolerance, self.captured);
+            let capture = Capture::new(motion, start, (tolerance, part)).map_err(|error| named(self.model, &error))?;
             return Ok(Box::new(capture));
         }
         let given = fixed_step(self.model, settings, method);
