@@ -3,7 +3,7 @@
 use super::couple::Scalar;
 use super::description::{BodyDescription, Description};
 use super::problem::{Element, Problem};
-use super::{Body, Link};
+use super::{Body, Link, Model, StopLaw};
 use crate::force::Switch;
 use crate::force::table::{Interpolation, Table};
 use std::sync::Arc;
@@ -121,4 +121,40 @@ pub(super) fn compile(description: &Description, bodies: &[Body], links: &[Link]
         written.hinge.curves.iter().filter_map(curve).collect::<Vec<_>>()
     };
     description.bodies.iter().zip(bodies).flat_map(of_body).collect()
+}
+
+impl Model {
+    /// This model with springs by curves in place of its compliant stops: they push alike at rest.
+    pub(crate) fn with_stops_as_springs(&self) -> Self {
+        let mut model = self.clone();
+        let mut curves = self.curves.to_vec();
+        for stop in &self.stops {
+            let StopLaw::Compliant { stiffness, .. } = stop.law else { continue };
+            let Some(link) =
+                self.links.iter().position(|link| link.velocity == stop.velocity && link.joint.is_scalar())
+            else {
+                continue;
+            };
+            let slides = self.links[link].joint.is_distance();
+            let coordinate = Scalar { link, position: stop.position, velocity: stop.velocity, slides };
+            let Some(points) = points(stop.range, stiffness) else { continue };
+            let table = Table::new(&points, Interpolation::Linear);
+            curves.push(HingeCurve { coordinate, over: CurveOver::Position, table, rest: 0.0, at_rest: 0.0 });
+        }
+        model.stops.retain(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
+        model.curves = curves.into();
+        model
+    }
+}
+
+/// Nothing within a range and this stiffness beyond it; `None` if it has no end.
+fn points([low, high]: [f64; 2], stiffness: f64) -> Option<Vec<[f64; 2]>> {
+    let (below, above) = ([low - 1.0, -stiffness], [high + 1.0, stiffness]);
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) if low < high => Some(vec![below, [low, 0.0], [high, 0.0], above]),
+        (true, true) => Some(vec![below, [low, 0.0], above]),
+        (true, false) => Some(vec![below, [low, 0.0], [low + 1.0, 0.0]]),
+        (false, true) => Some(vec![[high - 1.0, 0.0], [high, 0.0], above]),
+        (false, false) => None,
+    }
 }

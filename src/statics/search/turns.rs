@@ -53,8 +53,20 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
     }
 }
 
-/// Where the turns end in no balance: the stops at which the motion itself comes to rest, by dynamic relaxation, are those to begin with.
+/// Where the turns end in no balance: those stops are the ones to begin with that press where compliant ones are springs, or else at which
+/// the motion itself comes to rest, by dynamic relaxation.
 fn moved(mut search: Search<'_>, found: Equilibrium) -> Result<Equilibrium, Fault> {
+    if search.model.stops.iter().any(|stop| !stop.is_rigid()) {
+        let soft = Arc::new(search.model.with_stops_as_springs());
+        let start = search.start;
+        let sprung = by_turns(search.of(&soft, start))?;
+        if sprung.balanced {
+            let again = by_turns(search.of(search.model, &sprung.position))?;
+            if again.balanced {
+                return Ok(after(&found, after(&sprung, again)));
+            }
+        }
+    }
     let settings = Settings { method: Method::Relaxation, ..*search.settings };
     let rested = by_turns(Search { settings: &settings, ..search.again() })?;
     if !rested.balanced || !search.watch.goes_on() {

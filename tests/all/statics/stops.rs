@@ -1,9 +1,10 @@
 //! Statics heeds the limits of hinges: what lies on its stop rests there, and the stop says what it bears.
 
-use crate::common::build;
+use crate::common::{Random, build};
 use crate::scenarios::{found, shipped};
 use std::sync::Arc;
-use stillpoint::model::{Model, Side};
+use stillpoint::dynamics::System;
+use stillpoint::model::{Model, Side, StopLaw};
 use stillpoint::scenario;
 use stillpoint::statics::{BearingStop, Equilibrium, Method, Settings, StabilityVerdict, Want, equilibrium};
 
@@ -163,4 +164,116 @@ fn stops_beside_loads_that_turn_with_their_bodies_are_found_by_the_motion() {
     near(stop(&found, "`b0`").load, 58.741, 1e-3);
     near(stop(&found, "`b1`").load, 144.599, 1e-3);
     assert!(found.stops.iter().all(|stop| stop.side == Side::High));
+}
+
+/// Two arms that a gear ties together, each between soft stops: along the one motion that is left the potential, stops included, has a minimum
+/// where they are found, and stops bear what their stiffness says.
+#[test]
+fn soft_stops_beside_a_gear_bear_at_a_minimum() {
+    let mut random = Random::new(0x50f7_5704);
+    let mut pressed = [0; 3];
+    for case in 0..200 {
+        let ratio = random.between(0.4, 1.6) * if case % 2 == 0 { 1.0 } else { -1.0 };
+        let (mut text, mut arms) = (String::new(), Vec::new());
+        for (name, others) in [("a", ratio), ("b", 1.0)] {
+            let mut between = |low: f64, high: f64| random.between(low, high);
+            let (mass, length, turn) = (between(0.5, 3.0), between(0.2, 0.8), between(-3.0, 3.0));
+            let (low, high) = (between(-0.9, 0.3), between(0.3, 0.9));
+            let (soft, spring, rest) = (10f64.powf(between(0.5, 3.0)), between(0.0, 20.0), between(-0.5, 0.5));
+            text += &format!(
+                "[[body]]\nname = \"{name}\"\nmass = {mass:?}\ncenter = [{:?}, 0, {:?}]\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ type = \
+                 \"revolute\", axis = [0, 1, 0], stiffness = {spring:?}, rest = {rest:?}, limits = {{ low = {low:?}, high = {high:?}, stiffness = \
+                 {soft:?} }} }}\n",
+                length * turn.sin(),
+                -length * turn.cos()
+            );
+            let potential = move |angle: f64| {
+                let depth = (angle - high).max(low - angle).max(0.0);
+                -mass * G * length * (angle - turn).cos()
+                    + 0.5 * spring * (angle - rest).powi(2)
+                    + 0.5 * soft * depth * depth
+            };
+            arms.push(move |along: f64| potential(others * along));
+        }
+        text += &format!("[[gear]]\ntype = \"ratio\"\nratio = {ratio:?}\nbetween = [\"a\", \"b\"]\n");
+        let found = find(&read(&text));
+        assert!(found.converged, "case {case}: {:?}\n{text}", found.notes);
+        assert!((found.position[0] - ratio * found.position[1]).abs() < 1e-12, "case {case}: {:?}", found.position);
+        let energy = |along: f64| arms.iter().map(|arm| arm(along)).sum::<f64>();
+        let (at, h) = (found.position[1], 1e-4);
+        let (before, here, after) = (energy(at - h), energy(at), energy(at + h));
+        let (slope, bend) = ((after - before) / (2.0 * h), (after - 2.0 * here + before) / (h * h));
+        assert!(bend > 0.0 && slope.abs() < 0.5 * h * bend, "case {case}: {slope} {bend}\n{text}");
+        pressed[found.stops.len()] += 1;
+    }
+    assert!(pressed[1] > 40 && pressed[2] > 10, "{pressed:?}");
+}
+
+/// Where stops by turns lead nowhere, compliant ones as springs do: no way along the motions that a gear leaves goes down in the potential, stops included.
+#[test]
+fn soft_stops_beside_a_gear_are_found_as_springs() {
+    let model = read(
+        r#"
+        gravity = [0, 0, -9.8066]
+        [[body]]
+        name = "b0"
+        mass = 0.782
+        center = [0.0001, 0.1643, -0.0717]
+        inertia = [0.0211, 0.0197, 0.0169]
+        hinge = { type = "revolute", at = [0.0632, -0.368, 1.4195], rpy = [-0.1008, 0.0112, -0.403], parent = "ground", axis = [-1.5879, -0.7717, -0.4972], armature = 0.1176, limits = { low = -0.0432, high = 0.4742, stiffness = 428.9908 } }
+        [[body]]
+        name = "b1"
+        mass = 2.0551
+        center = [-0.0999, -0.0083, 0.1098]
+        inertia = [0.05, 0.0437, 0.0609]
+        hinge = { type = "planar", at = [-0.5927, -1.3445, -0.4286], rpy = [-1.2644, -1.5731, -0.214], parent = "ground", stiffness = [74.2247, 51.6621, 88.4009], rest = [-0.1681, 0.0494, 0.3467], force = [1.4603, 5.3262, -1.1739], armature = [0.4602, 0.482, 0.2419], limits = { low = -0.0106, high = 0.9339, stiffness = 130.2994 } }
+        [[body]]
+        name = "b2"
+        mass = 1.6667
+        center = [-0.0096, 0.1816, -0.3526]
+        inertia = [0.0484, 0.0367, 0.0339]
+        hinge = { type = "revolute", at = [-0.0344, -0.6561, 0.1963], rpy = [1.1756, 0.6738, 0.9228], parent = "ground", axis = [0.2534, -0.2235, -0.2297], stiffness = 15.008, rest = -0.0353, limits = { low = 0.0056, high = 0.4124, stiffness = 264.5524 } }
+        [[force]]
+        type = "spring"
+        name = "e0"
+        between = [{ body = "b0", at = [1.218, 0.2618, 0.153] }, { body = "ground", at = [0.6333, 0.7592, 4.4696] }]
+        stiffness = 39.7422
+        length = 1.7451
+        [[force]]
+        type = "spring"
+        name = "e1"
+        between = [{ body = "b1", at = [0.1656, -0.3801, -0.306] }, { body = "b2", at = [0.1432, 0.8697, 0.1506] }]
+        stiffness = 255.6956
+        length = 0.9174
+        [[gear]]
+        type = "ratio"
+        ratio = 0.5684
+        between = ["b0", "b2"]
+        "#,
+    );
+    let found = find(&model);
+    assert!(!found.stops.is_empty());
+    let rest = vec![0.0; model.velocity_count()];
+    let potential = |q: &[f64]| {
+        let depth = |stop: &stillpoint::model::Stop| {
+            let value = q[stop.position];
+            (value - stop.range[1]).max(stop.range[0] - value).max(0.0)
+        };
+        let stiffness = |stop: &stillpoint::model::Stop| match stop.law {
+            StopLaw::Compliant { stiffness, .. } => stiffness,
+            StopLaw::Rigid { .. } => unreachable!("all of them are soft"),
+        };
+        let of_stops: f64 = model.stops.iter().map(|stop| 0.5 * stiffness(stop) * depth(stop).powi(2)).sum();
+        System::new(&model).at(0.0, q, &rest).energies().potential + of_stops
+    };
+    // b0, then x, y, angle of b1, then b2: the gear turns b0 by 0.5684 of b2.
+    let ways =
+        [[0.5684, 0.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0]];
+    for way in ways {
+        let at = |h: f64| potential(&found.position.iter().zip(way).map(|(q, by)| q + h * by).collect::<Vec<_>>());
+        let [before, here, after] = [at(-1e-4), at(0.0), at(1e-4)];
+        // A slope of 1e-4 of what a radian of it would cost.
+        let (slope, bend) = ((after - before) / 2e-4, (after - 2.0 * here + before) / 1e-8);
+        assert!(bend > 0.0 && slope.abs() < 1e-4 * bend, "{way:?}: {slope} {bend}");
+    }
 }
