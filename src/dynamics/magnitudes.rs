@@ -169,14 +169,15 @@ impl Balanced<'_> {
             let i = link.velocity + j;
             let (along, about) = (tip.fixed_rows::<3>(0).norm(), tip.fixed_rows::<3>(3).norm());
             // Terms that cancel within the element do not show at its tip.
-            let about = about.max(if given.strain_of(j) >= 3 { 1.0 } else { 0.0 });
+            let turns = given.strain_of(j) >= 3;
+            let (within, about) = if turns { (along, about.max(1.0)) } else { (along.max(1.0), about) };
             let row = given.stiffness_row(j);
             let coordinate = &self.system.model.coordinates[i];
             let spring = coordinate.stiffness.abs() * (at.q[j].abs() + coordinate.rest.abs()) + coordinate.force.abs();
             let elastic = spring + row.iter().zip(&at.q).map(|(k, q)| (k * q).abs()).sum::<f64>();
-            out.force[i] = elastic + along * size.force + about * size.moment;
-            out.noise[i] = elastic + along * size.noise + about * size.noise_moment;
-            out.squares[i] = elastic * elastic + along * along * size.square + about * about * size.square_moment;
+            out.force[i] = elastic + within * size.force + about * size.moment;
+            out.noise[i] = elastic + within * size.noise + about * size.noise_moment;
+            out.squares[i] = elastic * elastic + within * within * size.square + about * about * size.square_moment;
             let geometric = match given.guide() {
                 // What acts on a body along a curve turns with respect to the tangent.
                 Some(guide) => {

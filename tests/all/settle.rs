@@ -427,3 +427,41 @@ fn rings_of_bars_settle_quickly() {
     }
     assert!(slow <= 1, "{slow}");
 }
+
+/// Rods that are clamped above a floor, each with a head that it presses on it: the head slides until friction just holds it, and there is one
+/// pose that bears it. What the floor pushes with is within the cone, and bends the rod as it is bent.
+#[test]
+fn heads_of_rods_settle_on_a_floor() {
+    let mut random = Random::new(0x0d5_0f00);
+    let (mut pressed, mut slips) = (0, 0);
+    for case in 0..40 {
+        let mut between = |low: f64, high: f64| random.between(low, high);
+        let (high, tilt, length) = (between(0.1, 0.5), between(-0.6, 1.0), between(0.4, 0.8));
+        let (young, thick) = (10f64.powf(between(8.5, 10.5)), between(0.004, 0.01));
+        let (radius, mass, friction) = (between(0.03, 0.06), 10f64.powf(between(-1.0, 0.3)), between(0.1, 0.9));
+        let inertia = mass * radius * radius;
+        let text = format!(
+            "[[body]]\nname = \"land\"\nhinge = {{ type = \"fixed\" }}\nshape = {{ plane = [0, 0, 1] }}\n[[beam]]\nname = \"rod\"\nhinge = {{ \
+             type = \"fixed\", at = [0, 0, {high:?}], rpy = [0, {tilt:?}, 0] }}\nlength = {length:?}\nelements = {}\nsection = {{ circle = \
+             {thick:?} }}\nmaterial = {{ young = {young:?}, poisson = 0.3, density = 1500.0 }}\n[[body]]\nname = \"head\"\nmass = \
+             {mass:?}\ninertia = [{inertia:?}, {inertia:?}, {inertia:?}]\nshape = {{ sphere = {radius:?} }}\nhinge = {{ type = \"fixed\", parent = \
+             \"rod\", at = \"tip\" }}\n[[contact]]\nbetween = [\"land\", \"head\"]\nfriction = {friction:?}\n",
+            2 + 2 * (case % 2)
+        );
+        let (_, found) = settled(&text);
+        let found = found.unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(
+            found.converged && found.relative_residual < 1e-9,
+            "case {case}: {} {:?}\n{text}",
+            found.relative_residual,
+            found.notes
+        );
+        let standing = found.standing.expect("a scene with contact");
+        for one in &standing.contacts {
+            pressed += 1;
+            slips += usize::from(one.share > 1.0 - 1e-5);
+            assert!(one.share <= 1.0, "case {case}: {}", one.share);
+        }
+    }
+    assert!(pressed >= 15 && slips > 5, "{pressed} {slips}");
+}

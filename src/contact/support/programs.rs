@@ -25,6 +25,10 @@ const FAINT: f64 = 0.3 * BALANCED;
 const FELT: f64 = 1e-7;
 /// Forces of (W), at most 1, above this are a squeeze.
 const SQUEEZE: f64 = 1e-6;
+/// Forces of (U) above this part of the largest carry: interior points find them to that; and what counts as at the end of a cone.
+const CARRIES: f64 = 1e-6;
+/// A balance of (U) that is found by least squares.
+const EXACT: f64 = 1e-12;
 /// A load factor beyond this many times the loads has no end.
 const ENDLESS: f64 = 1e4;
 
@@ -302,7 +306,30 @@ impl Scaled<'_> {
         program.quadratic.fill(1.0);
         let mut forces = program.solve()?.x;
         self.polish(&mut forces);
-        (self.unbalanced(&forces) <= BALANCED && self.outside(&forces) <= AT_THE_LIMIT).then_some(forces)
+        let is_answer = self.unbalanced(&forces) <= BALANCED && self.outside(&forces) <= AT_THE_LIMIT;
+        is_answer.then(|| self.least_of_carriers(&forces).unwrap_or(forces))
+    }
+
+    /// (U) to the last digits where no cone but those of nothing is at its end: of the supports that carry, the shortest forces that balance.
+    fn least_of_carriers(&self, near: &[f64]) -> Option<Vec<f64>> {
+        let largest = near.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+        let mut columns = self.columns.clone();
+        for (i, cone) in self.cones.iter().enumerate() {
+            let own = self.supports.range(i);
+            let f = &near[own.clone()];
+            match cone {
+                _ if norm(f) <= CARRIES * largest => columns[own].iter_mut().for_each(Vec::clear),
+                _ if cone.share(f).is_some_and(|share| share >= 1.0 - CARRIES) => return None,
+                _ => {}
+            }
+        }
+        let (cones, load) = (self.cones.clone(), self.load.clone());
+        let carriers = Scaled { supports: self.supports, columns, cones, load, size: self.size };
+        let mut forces = vec![0.0; near.len()];
+        carriers.polish(&mut forces);
+        let is_shorter = norm(&forces) <= norm(near) * (1.0 + CARRIES);
+        let is_answer = carriers.unbalanced(&forces) <= EXACT && self.outside(&forces) <= 0.0 && is_shorter;
+        is_answer.then_some(forces)
     }
 
     /// These supports with the friction of some left out: tangential forces that push on nothing leave `f_n ≥ 0`.

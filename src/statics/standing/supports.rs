@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// A coordinate this near to a limit touches it: part of the scene's length, or rad.
 const TOUCHES: f64 = 1e-9;
 /// A load of strains of beams below this part is: they are known to the balance that they have settled to.
-const SETTLED: f64 = 1e-8;
+const SETTLED: f64 = 1e-11;
 
 /// Forces of supports balance bodies before they balance strains, which are only that near to their balance: what is left of
 /// strains counts by its square over the square of this.
