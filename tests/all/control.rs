@@ -446,3 +446,44 @@ fn an_infinite_input_is_told_as_such() {
     let said = failed.expect_err("a pole").to_string();
     assert!(said.contains("sets `push` to an infinite number"), "{said}");
 }
+
+/// A robot on two wheels that roll by friction leans, rolls after its fall and comes back: as its equations without slip, sampled alike, say.
+#[test]
+fn a_robot_balances_on_wheels_that_roll() {
+    let mut text = std::fs::read_to_string(file("contact/balancing_robot")).unwrap();
+    text = text.replace("[simulate]\n", "[simulate]\nstart = \"given\"\n");
+    let lean: f64 = 0.1;
+    let turned = format!("[0.0, 0.0, 0.1, {:?}, 0, {:?}, 0]", (0.5 * lean).cos(), (0.5 * lean).sin());
+    text = text.replace("[0.0, 0.0, 0.1, 1, 0, 0, 0]", &turned);
+    let (scenario, model) = scene(&text);
+    let mut kept = Kept::default();
+    let summary = ran(&model, &scenario.simulate, 100.0, &mut kept).unwrap();
+    assert_eq!(summary.capture_steps, 0);
+    let (rolling, radius, mass, above, inertia) = (1.0 + 0.005 / 0.01, 0.1, 4.0, 0.25, 0.08);
+    let gains = [-1.3628, -6.2826, -1.4638, -1.1106];
+    let rates = |[_, lean, v, w]: [f64; 4], torque: f64| {
+        let (sin, cos) = lean.sin_cos();
+        let (a, b, c) = (rolling + mass, mass * above * cos, inertia + mass * above * above);
+        let (f, g) = (torque / radius + mass * above * sin * w * w, mass * 9.80665 * above * sin - torque);
+        let det = a * c - b * b;
+        [v, w, (c * f - b * g) / det, (a * g - b * f) / det]
+    };
+    let mut state = [0.0, lean, 0.0, 0.0];
+    let (mut farthest, h) = (0.0_f64, 5e-4);
+    for (k, (time, q, _)) in kept.0.iter().enumerate() {
+        assert!((time - 0.01 * k as f64).abs() < 1e-12);
+        let tilt = 2.0 * q[5].atan2(q[3]);
+        assert!((q[0] - state[0]).abs() < 1e-7 && (tilt - state[1]).abs() < 1e-7, "{time}: {} {tilt} {state:?}", q[0]);
+        farthest = farthest.max(q[0]);
+        let torque = -2.0 * gains.iter().zip(state).map(|(gain, y)| gain * y).sum::<f64>();
+        for _ in 0..20 {
+            let add = |by: [f64; 4], h: f64| std::array::from_fn::<f64, 4, _>(|i| state[i] + h * by[i]);
+            let one = rates(state, torque);
+            let two = rates(add(one, 0.5 * h), torque);
+            let three = rates(add(two, 0.5 * h), torque);
+            let four = rates(add(three, h), torque);
+            state = std::array::from_fn(|i| state[i] + h / 6.0 * (one[i] + 2.0 * (two[i] + three[i]) + four[i]));
+        }
+    }
+    assert!(kept.0.len() == 601 && farthest > 0.05 && state[1].abs() < 1e-4, "{farthest} {state:?}");
+}
