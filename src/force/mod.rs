@@ -159,8 +159,8 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.not_finite(links),)+ }
             }
 
-            fn in_one_place(&self, links: &[LinkMotion]) -> bool {
-                match self { $(Self::$kind(law) => law.in_one_place(links),)+ }
+            fn in_one_place(&self, links: &[LinkMotion], within: f64) -> bool {
+                match self { $(Self::$kind(law) => law.in_one_place(links, within),)+ }
             }
 
             fn switches(&self) -> Option<[&'static str; 2]> {

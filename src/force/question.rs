@@ -108,8 +108,8 @@ pub trait Act {
         (!finite).then_some("the force")
     }
 
-    /// Whether two points of it that have to be apart are in one place.
-    fn in_one_place(&self, _links: &[LinkMotion]) -> bool {
+    /// Whether two points of it that have to be apart are in one place, or no more than this apart (m).
+    fn in_one_place(&self, _links: &[LinkMotion], _within: f64) -> bool {
         false
     }
 

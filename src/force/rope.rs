@@ -182,8 +182,8 @@ impl Act for RopeLaw {
         (!self.stretch(links).tension(self).is_finite()).then_some("the tension")
     }
 
-    fn in_one_place(&self, links: &[LinkMotion]) -> bool {
-        self.segments(links).any(|segment| segment.distance == 0.0)
+    fn in_one_place(&self, links: &[LinkMotion], within: f64) -> bool {
+        self.segments(links).any(|segment| segment.distance <= within)
     }
 
     fn switches(&self) -> Option<[&'static str; 2]> {

@@ -102,8 +102,8 @@ impl Act for SpringLaw {
         give(1, on_b);
     }
 
-    fn in_one_place(&self, links: &[LinkMotion]) -> bool {
-        self.length != 0.0 && self.segment(links).distance == 0.0
+    fn in_one_place(&self, links: &[LinkMotion], within: f64) -> bool {
+        self.length != 0.0 && self.segment(links).distance <= within
     }
 
     /// The segment and its force are the same for each of them.

@@ -44,4 +44,6 @@ pub(super) struct Effort {
     pub reactions: Vec<Wrench>,
     /// Whether the potential fell without end.
     pub fell: bool,
+    /// The part of the forces that may be left, if that is more than is allowed elsewhere.
+    pub allowed: f64,
 }

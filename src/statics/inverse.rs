@@ -187,7 +187,7 @@ impl Search<'_> {
             ));
         }
         let model = model.starting_at(pose);
-        let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
+        let mut found = equilibrium::examine(&model, settings, pose, ("inverse", 0.0), notes)?;
         found.converged = found.balanced && influential;
         found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
         Ok((best, model, found))
@@ -216,7 +216,7 @@ fn refused_by_stops(
         format!("the pose is beyond the limit {} of {hinge}, which stands at {}", number(*limit), number(*value))
     };
     let notes = beyond.iter().map(passed).collect();
-    let mut found = equilibrium::examine(&given, settings, pose, "inverse", notes)?;
+    let mut found = equilibrium::examine(&given, settings, pose, ("inverse", 0.0), notes)?;
     (found.converged, found.balanced, found.stability) = (false, false, None);
     found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(description))).collect();
     Ok(InverseAnswer { description: description.clone(), model: given, found })

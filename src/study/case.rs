@@ -223,7 +223,16 @@ impl Cases {
                 match columns.iter().position(|other| *other == column) {
                     Some(index) => cells[index] = cell,
                     None if cell == Cell::Empty => {}
-                    None => return Err(format!("this case has a column that the others have not: `{}`", column.name)),
+                    None => {
+                        let Column { name, unit, .. } = &column;
+                        return Err(match columns.iter().find(|other| other.name == *name) {
+                            Some(other) => format!(
+                                "`{name}` is measured in {unit} in this case and in {} in the others, which have another structure",
+                                other.unit
+                            ),
+                            None => format!("this case has a column that the others have not: `{name}`"),
+                        });
+                    }
                 }
             }
         }

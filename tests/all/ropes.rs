@@ -541,3 +541,17 @@ fn statics_finds_bights_from_slack_guesses() {
         assert!(found.position[0].abs() < 1e-6, "case {case}: {:?}", found.position);
     }
 }
+
+/// A rope whose way between two eyelets is longer than it is pulls what hangs on its end onto the first of them, against any spring: that is said by its name.
+#[test]
+fn a_rope_that_has_pulled_its_end_into_an_eyelet_is_named() {
+    let text = "[statics]\ntime_limit = 5.0\n[[body]]\nname = \"a\"\nmass = 1.0\nhinge = { type = \"free\", at = [0.3, -0.1, 0.2], stiffness = 50.0 }\n\
+                [[force]]\nname = \"winch\"\ntype = \"rope\"\nthrough = [\"a\", { body = \"ground\", at = [0, 0, 1] }, { body = \"ground\", at = [0, 0, 3] }]\n\
+                stiffness = 500.0\nlength = 1.0\n";
+    let scenario =
+        stillpoint::scenario::parse("eyelet.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let model = build(&scenario.description);
+    let found = stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position);
+    let told = found.map_or_else(|fault| fault.to_string(), |found| found.notes.join("; "));
+    assert!(told.contains("`winch`") && told.contains("in one place") || told.contains("into one place"), "{told}");
+}

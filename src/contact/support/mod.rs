@@ -36,6 +36,7 @@ mod slack;
 mod solver;
 
 pub use exchange::RimSupport;
+pub use programs::BALANCED;
 pub use slack::slack;
 use std::ops::Range;
 

@@ -17,7 +17,7 @@ const AT_THE_LIMIT: f64 = 1e-8;
 /// Loads below this part of the largest, and above round-off, cannot be told from it: a program with both may be ill-conditioned.
 const UNEVEN: f64 = 1e-7;
 /// A balance that misses more than this part of the loads is none.
-const BALANCED: f64 = 1e-9;
+pub const BALANCED: f64 = 1e-9;
 /// Entries of a column below this part of its largest are none in a program: what they push is within what a balance may miss. Bodies that
 /// lie on each other, each tilted by its rounding, would have to be held by forces as many times their weight.
 const FAINT: f64 = 0.3 * BALANCED;

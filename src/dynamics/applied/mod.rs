@@ -54,7 +54,7 @@ pub fn on_body(laws: &Laws, motion: &Motion, body: usize) -> Wrench {
 
 /// The first force element whose direction is not determined.
 pub fn in_one_place<'a>(laws: &'a Laws, motion: &Motion) -> Option<&'a Force> {
-    laws.forces.iter().find(|force| force.law.in_one_place(&motion.links))
+    laws.forces.iter().find(|force| force.law.in_one_place(&motion.links, 0.0))
 }
 
 /// The first force element of which something is not a finite number, and what.

@@ -34,7 +34,7 @@ pub const CONTROLLER: Table = Table {
         Key::new(
             "matrix",
             Kind::List(&Kind::List(&NUMBER, &[]), &[]),
-            "A row for each input, a column for each number that is sensed.",
+            "A row for each input, a column for each number that is sensed: units of what it drives over units of what it senses.",
         )
         .unit(ANY_UNIT)
         .required()
@@ -52,17 +52,17 @@ pub const CONTROLLER: Table = Table {
         .unit("N or N m")
         .only(&["gain"])
         .example("[0.0]"),
-        Key::new("proportional", NUMBER, "Gain on the error e.")
+        Key::new("proportional", NUMBER, "Gain on the error e: unit of what it drives over that of what it senses.")
             .unit(ANY_UNIT)
             .default("0.0")
             .only(&["pid"])
             .example("800.0"),
-        Key::new("integral", NUMBER, "Gain on the sum of T e.")
+        Key::new("integral", NUMBER, "Gain on the sum of T e: the same, by a second.")
             .unit(ANY_UNIT)
             .default("0.0")
             .only(&["pid"])
             .example("200.0"),
-        Key::new("derivative", NUMBER, "Gain on the rate of the error; nothing at the first instant.")
+        Key::new("derivative", NUMBER, "Gain on the rate of the error, nothing at the first instant: the same, times a second.")
             .unit(ANY_UNIT)
             .default("0.0")
             .only(&["pid"])

@@ -109,18 +109,19 @@ pub struct BearingStop {
     pub depth: f64,
 }
 
-/// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.
+/// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage; `allowed` is the part of the forces that may be left,
+/// if that is more than of what is searched for.
 pub(in crate::statics) fn examine(
     model: &Arc<Model>,
     settings: &Settings,
     pose: &[f64],
-    by: &'static str,
+    (by, allowed): (&'static str, f64),
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, pose)?;
     let place = Place::at(&mut landscape, pose.to_vec())?;
-    if !place.is_balanced()
+    if !place.is_balanced_to(allowed)
         && let (_, Some(worst)) = place.residual()
     {
         let others =
@@ -131,7 +132,8 @@ pub(in crate::statics) fn examine(
     }
     // Whatever it is, it is the one that was given.
     let settings = Settings { want: Want::Any, ..*settings };
-    let found = certify(landscape, &settings, place, Effort { stage: by, ..Effort::default() }, Vec::new(), notes)?;
+    let found =
+        certify(landscape, &settings, place, Effort { stage: by, allowed, ..Effort::default() }, Vec::new(), notes)?;
     Ok(Equilibrium { method: by, ..found })
 }
 
@@ -145,7 +147,7 @@ fn round_off_note(place: &Place) -> Option<String> {
         ),
         false => "no force here is above round-off, and so is the residual".to_owned(),
     };
-    (relative > BALANCED).then_some(what)
+    (relative > BALANCED && place.is_balanced()).then_some(what)
 }
 
 pub(in crate::statics) fn certify(
@@ -162,7 +164,7 @@ pub(in crate::statics) fn certify(
     let factorizations = landscape.factorizations + effort.factorizations;
     let shared = landscape.shared(&place.q);
     notes.extend(closed::notes(&landscape, shared.as_ref()));
-    let balanced = place.is_balanced();
+    let balanced = place.is_balanced_to(effort.allowed);
     let (residual_acceleration, stability) = match landscape.ties.is_some() {
         true => {
             let examined = closed::examine(&mut landscape, &place)?;

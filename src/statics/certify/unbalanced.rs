@@ -1,11 +1,15 @@
 //! What is not balanced, named: hinge, body, force and direction.
 
 use crate::dynamics::Fault;
+use crate::force::Act;
 use crate::model::problem::number;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{Landscape, slides};
 use nalgebra::Vector3;
 use std::sync::Arc;
+
+/// Points this near to each other are in one place: part of the scene's length.
+const ONE_PLACE: f64 = 1e-5;
 
 /// Names what is not balanced: hinge, body, force and direction.
 ///
@@ -23,11 +27,27 @@ pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Plac
             describe(landscape, place, worst)
         ));
     }
+    if let (Some(name), Some(largest)) = (pulled_together(landscape, place), largest) {
+        return Ok(format!(
+            "nothing balances {}: `{name}` has pulled two of its points into one place, where its direction is not determined. Make it longer, or stop \
+             what it pulls before it gets there",
+            describe(landscape, place, largest)
+        ));
+    }
     let Some(worst) = unresisted(landscape, place).or(largest) else { return Ok("no residual".to_owned()) };
     Ok(format!(
         "nothing balances {}: a spring, a load or a lock is missing, or the guess is too far away",
         describe(landscape, place, worst)
     ))
+}
+
+/// A spring or rope whose points are in one place, but for what a search leaves.
+fn pulled_together(landscape: &mut Landscape<'_>, place: &Place) -> Option<String> {
+    let (within, steady) = (ONE_PLACE * landscape.model().length_scale(), landscape.steady.clone());
+    let at = landscape.system().at(0.0, &place.q, &steady);
+    let links = &at.motion().links;
+    let pulled = at.system().forces().iter().find(|force| force.law.in_one_place(links, within));
+    pulled.map(|force| force.name.clone())
 }
 
 /// An unbalanced force with its hinge, direction and size.

@@ -91,6 +91,11 @@ impl Place {
         self.excess() <= BALANCED
     }
 
+    /// Balanced to a part of the forces that cancel, or to what can be asked for.
+    pub(in crate::statics) fn is_balanced_to(&self, part: f64) -> bool {
+        self.excess() <= part.max(BALANCED)
+    }
+
     /// The residual is the round-off of the balance itself.
     pub(in crate::statics) fn is_round_off(&self) -> bool {
         self.excess() == 0.0

@@ -5,7 +5,7 @@ use super::super::certify::stability;
 use super::super::problem::assembled::Assembled;
 use super::super::settings::{Settings, Want};
 use super::{StandingReport, Unanswered};
-use crate::contact::support::Verdict;
+use crate::contact::support::{BALANCED, Verdict};
 use crate::model::description::{Attachment, ForceDescription, Point};
 use crate::model::problem::in_one_line;
 use crate::model::{Description, Model};
@@ -29,7 +29,7 @@ pub(super) fn certificate(
     let sticking = standing.friction.iter().flat_map(|one| one.velocity..one.velocity + one.force.len());
     let sticking: Vec<usize> = sticking.chain(standing.stop_forces.iter().map(|(velocity, _)| *velocity)).collect();
     let held = built.locking(sticking.iter().copied());
-    let mut found = examine(&held, settings, pose, "standing", Vec::new())?;
+    let mut found = examine(&held, settings, pose, ("standing", BALANCED), Vec::new())?;
     found.holding.retain(|(name, _)| !sticking.iter().any(|velocity| model.label(*velocity) == *name));
     let stands = standing.verdict == Verdict::Stands;
     (found.converged, found.stage) = (stands && found.balanced, "given");

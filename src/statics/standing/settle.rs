@@ -49,7 +49,7 @@ const BALANCED: f64 = 1e-9;
 const STILL: f64 = 1e-10;
 const FLOOR: f64 = 1e-15;
 const FALLS_ON: f64 = 0.99;
-/// Steps that become shorter by this part converge still; of what rests already no more than so many are taken.
+/// Steps that become shorter by this part converge still; of what rests already, or moves by rounding alone, no more than so many are taken.
 const CONVERGES: f64 = 0.9;
 const MOST_STILL: usize = 50;
 /// Forces below this part of them may be rounding that is magnified.
@@ -115,6 +115,8 @@ struct Step {
     sigma: f64,
     /// `σ |x|_B`: what the step leaves of the forces (in the metric of `B⁻¹`).
     left: f64,
+    /// Whether the model says less of (2) than rounding makes of it.
+    slight: bool,
 }
 
 /// Lets a scene settle from a pose.
@@ -214,9 +216,10 @@ impl Search<'_, '_> {
             let short = far.max(parted) <= STILL * length;
             // What is stiff is as far from its balance as a step that is no longer seen.
             let converges = far > f64::EPSILON * length && far < CONVERGES * last_far;
-            let rests = short && step.left <= BALANCED * pull;
+            // Where nothing holds it, rounding moves it on for ever.
+            let rests = (short || step.slight) && step.left <= BALANCED * pull;
             (still, last_far) = (if rests { still + 1 } else { 0 }, far);
-            if rests && (!falls_on && !converges || still > MOST_STILL) {
+            if rests && (short && !falls_on && !converges || still > MOST_STILL) {
                 return Ok((place, steps));
             }
             if far > 0.0 && far <= f64::EPSILON * STILL * self.model.length_scale() {
@@ -291,7 +294,7 @@ impl Search<'_, '_> {
                 self.sigma *= 4.0;
                 continue;
             }
-            let step = self.step(place, supports.take().unwrap_or_default());
+            let mut step = self.step(place, supports.take().unwrap_or_default());
             let far = self.farthest(&place.q, &step.full);
             let is_long = !(far <= self.longest);
             // Forces are found to a part of the largest: where that moves by more than gaps, these are missed.
@@ -307,16 +310,16 @@ impl Search<'_, '_> {
             // Below rounding of the forces there is nothing to compare.
             let borne: f64 = step.forces.iter().map(|force| force.norm()).sum();
             let noise = ENERGY.of(borne * self.model.length_scale() + stirred(place, &step.x));
-            let slight = step.predicted.abs() <= noise;
+            step.slight = step.predicted.abs() <= noise;
             let little = step.left <= LITTLE * pull(place, &self.landscape.metric);
-            let ratio = match (slight, little) {
+            let ratio = match (step.slight, little) {
                 (false, _) => ratio,
                 (true, true) if !self.creeps(&step) => 0.5,
                 (true, _) => 1.0,
             };
             // What is left is rounding if it counts as balanced and does not fall on: a shorter step magnifies it less.
             let rounding = step.left <= BALANCED * pull(place, &self.landscape.metric) && !self.falls_on(&step);
-            if slight && rounding || ratio < RATIOS[0] || !ratio.is_finite() {
+            if step.slight && rounding || ratio < RATIOS[0] || !ratio.is_finite() {
                 self.sigma *= 4.0;
             } else if ratio > RATIOS[1] {
                 self.sigma /= 4.0;
@@ -369,7 +372,7 @@ impl Search<'_, '_> {
             if matches!(one.id, Id::Contact(_)) { if force.x > 0.0 { gap.abs() } else { (-gap).max(0.0) } } else { 0.0 }
         });
         let missed = missed.fold(0.0, f64::max);
-        Step { x, full, supports, forces, predicted, missed, sigma: self.sigma, left: self.sigma * size }
+        Step { x, full, supports, forces, predicted, missed, sigma: self.sigma, left: self.sigma * size, slight: false }
     }
 
     /// Free coordinates among all, those that are held being zero.
