@@ -344,6 +344,21 @@ fn pushed(
     answer
 }
 
+/// What impulses take out along the way of a step, and behind all other forces in it, which leave the rates `free` (J).
+fn taken_out(
+    supports: &[Support],
+    forces: &[Vector3<f64>],
+    free: &[Vector3<f64>],
+    [v, after]: [&[f64]; 2],
+) -> [f64; 2] {
+    let each = supports.iter().zip(forces).zip(free).map(|((support, force), before)| {
+        let at_end = support.rates(after);
+        // Positions go ½ h (v + v⁺): along that impulses do their work.
+        [-0.5 * force.dot(&(support.rates(v) + at_end)), -0.5 * force.dot(&(before + at_end))]
+    });
+    each.fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]])
+}
+
 /// (1) and (2).
 pub(super) fn moreau(
     motion: &mut Equations,
@@ -409,12 +424,7 @@ pub(super) fn moreau(
     let struck = supports.iter().zip(&found.forces).any(|(support, force)| {
         !matches!(support.id, Id::Friction(_)) && force.x > 0.0 && along(&support.columns[0], v) < -contacts.rest
     });
-    let (mut lost, mut opposed) = (by_stops, 0.0);
-    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&free) {
-        // Positions go ½ h (v + v⁺): along that impulses do their work.
-        lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
-        opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
-    }
+    let [by_impulses, opposed] = taken_out(&supports, &found.forces, &free, [v, &velocity]);
     let work = driven(&mut mass, &supports, &found.forces);
     let mut end = position.clone();
     System::displace(&contacts.model, &mut end, &half(&velocity));
@@ -423,14 +433,14 @@ pub(super) fn moreau(
     let turned = turned(&contacts.model, &supports, [v, &velocity]).max(h * stops);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    let by_impulses = |(after, before): (&f64, &f64)| (after - before) / h;
-    let pressed = if struck { Vec::new() } else { velocity.iter().zip(&flown).map(by_impulses).collect() };
+    let accelerated = |(after, before): (&f64, &f64)| (after - before) / h;
+    let pressed = if struck { Vec::new() } else { velocity.iter().zip(&flown).map(accelerated).collect() };
     Ok(Made {
         position: end,
         velocity,
         pressed,
         forces,
-        lost,
+        lost: by_stops + by_impulses,
         work,
         opposed,
         found: found.found && flies,
