@@ -138,7 +138,7 @@ mod tests {
             [Ok(0.5), Ok(-0.5), Ok(2e3)]
         );
         assert_eq!(in_unit("2 mm", "s"), Err("it is measured in s, not in `mm`".to_owned()));
-        assert!(in_unit("soon", "s").is_err_and(|why| why.contains("soon")));
+        assert!(in_unit("soon", "s").is_err());
     }
 
     #[test]

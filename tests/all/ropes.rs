@@ -545,7 +545,7 @@ fn statics_finds_bights_from_slack_guesses() {
 /// A rope whose way between two eyelets is longer than it is pulls what hangs on its end onto the first of them, against any spring: that is said by its name.
 #[test]
 fn a_rope_that_has_pulled_its_end_into_an_eyelet_is_named() {
-    let text = "[statics]\ntime_limit = 5.0\n[[body]]\nname = \"a\"\nmass = 1.0\nhinge = { type = \"free\", at = [0.3, -0.1, 0.2], stiffness = 50.0 }\n\
+    let text = "[statics]\ntime_limit = 5.0\n[[body]]\nname = \"a\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"free\", at = [0.3, -0.1, 0.2], stiffness = 50.0 }\n\
                 [[force]]\nname = \"winch\"\ntype = \"rope\"\nthrough = [\"a\", { body = \"ground\", at = [0, 0, 1] }, { body = \"ground\", at = [0, 0, 3] }]\n\
                 stiffness = 500.0\nlength = 1.0\n";
     let scenario =
