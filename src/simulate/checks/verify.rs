@@ -8,7 +8,7 @@
 //! **Longest steps** where steps could miss what a formula or a sine does are others: the ends of both runs' steps fall together nowhere
 //! but at breaks (`Search::CHECK`).
 //!
-//! **Captured steps** ([`crate::simulate::contact`]) are none of either method: the second run has an eighth of them, and an error between them
+//! **Captured steps** (`simulate::contact`) are none of either method: the second run has an eighth of them, and an error between them
 //! and their halves of a 64th. Their order is one, so that what they differ by is seven eighths of the error of the first, or more.
 //!
 //! **Events** are looked for in another way, too: other looks within other steps, and another root finder. What happens to
