@@ -221,8 +221,9 @@ pub(super) fn verified(verified: &Verified) -> Value {
 }
 
 fn event(event: &Occurrence, told: &[(String, String, f64)]) -> Value {
-    let Occurrence { time, kind, name, value, speed, between } = event;
-    let mut event = json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed });
+    let Occurrence { time, kind, name, value, unit, speed, between } = event;
+    let mut event =
+        json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "unit": unit, "speed": speed });
     match kind {
         Kind::Force(_) => event["force"] = json!(name),
         Kind::Crossing | Kind::Switch => {}

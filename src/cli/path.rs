@@ -142,7 +142,10 @@ impl Followed {
     fn table(&self, model: &Arc<Model>, path: &std::path::Path) -> anyhow::Result<()> {
         let mut csv = csv::Writer::from_writer(WholeFile::create(path)?);
         let scene = simulate::scene(model);
-        let parameter = format!("parameter [{}]", self.unit());
+        let parameter = match self.unit() {
+            "" => "parameter".to_owned(),
+            unit => format!("parameter [{unit}]"),
+        };
         let fixed = ["branch", "point", "arclength", &parameter, "stability", "unstable_directions", "event"];
         let more = ["relative_residual", "potential [J]"];
         let coordinates = scene.positions.iter().map(|one| format!("{}.{} [{}]", one.body, one.name, one.unit));

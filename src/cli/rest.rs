@@ -46,7 +46,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let statics = statics_answer(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
         output::announce(&text::heading(&model, &scenario.name));
-        output::announce(&text::equilibrium(&model, &found, wall, arguments.verbose));
+        output::announce(&text::equilibrium(&model, &found, &scenario.unknown, wall, arguments.verbose));
     }
     if !found.balanced {
         if common.json {

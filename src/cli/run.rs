@@ -123,7 +123,7 @@ pub(super) fn start(
     let (found, wall) = statics::find(scenario, model)?;
     let (value, _) = statics::told(scenario, model, &found, wall)?;
     if !common.json && !common.quiet {
-        output::announce(&text::equilibrium(model, &found, wall, verbose));
+        output::announce(&text::equilibrium(model, &found, &scenario.unknown, wall, verbose));
     }
     if !found.converged {
         if common.json {

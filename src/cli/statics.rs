@@ -102,7 +102,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (mut result, asked) = told(&scenario, &model, &found, wall)?;
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
-        output::print(&text::statics(&model, &found, wall))?;
+        output::print(&text::statics(&model, &found, &scenario.unknown, wall))?;
         super::beams::found(&model, &found)?.map_or(Ok(()), |beams| output::print(&beams))?;
         super::modals::text(&model, &found.position, &found.poses).map_or(Ok(()), |modals| output::print(&modals))?;
         text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;

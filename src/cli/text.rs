@@ -6,7 +6,7 @@ pub(super) use super::number::{aligned, count, number, small, times, without_noi
 use super::output::{bold, verdict};
 use crate::constraint::Assembly;
 use crate::contact::support;
-use crate::model::{Body, Model, Output, Stop};
+use crate::model::{Body, Model, Output, Parameter, Stop};
 use crate::round_off::ON_A_LIMIT;
 use crate::statics::{DampedMode, Equilibrium, NaturalMode, Stability, StabilityVerdict};
 pub(super) use ended::{across, doubt, run, verified, wound};
@@ -120,9 +120,15 @@ fn residual(model: &Model, found: &Equilibrium) -> String {
 
 /// The certificate of statics that a run begins with: one line, with what a person should know. All of it if it is asked for, or if
 /// nothing can begin.
-pub(super) fn equilibrium(model: &Model, found: &Equilibrium, wall: Duration, verbose: bool) -> String {
+pub(super) fn equilibrium(
+    model: &Model,
+    found: &Equilibrium,
+    unknown: &[Parameter],
+    wall: Duration,
+    verbose: bool,
+) -> String {
     let Some(stability) = found.stability.as_ref().filter(|_| found.converged && !verbose) else {
-        return statics(model, found, wall);
+        return statics(model, found, unknown, wall);
     };
     let mut out = format!(
         "{}: residual {} of the forces that cancel",
@@ -146,8 +152,8 @@ pub(super) fn equilibrium(model: &Model, found: &Equilibrium, wall: Duration, ve
     out
 }
 
-/// The certificate of statics.
-pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> String {
+/// The certificate of statics; `unknown` are the numbers that may have been found with it.
+pub(super) fn statics(model: &Model, found: &Equilibrium, unknown: &[Parameter], wall: Duration) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "{}", found_by(model, found, wall));
     let _ = writeln!(out, "  residual     {}", residual(model, found));
@@ -162,13 +168,15 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     let width = found.unknowns.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     for (line, ((name, _), value)) in found.unknowns.iter().zip(inputs).enumerate() {
         let head = if line == 0 { "inputs" } else { "" };
-        let _ = writeln!(out, "  {head:<12} {name:<width$} = {}", value.trim_end());
+        let unit = unknown.iter().find(|one| one.address == *name).map_or("", |one| one.quantity.unit());
+        let _ = writeln!(out, "{}", format!("  {head:<12} {name:<width$} = {} {unit}", value.trim_end()).trim_end());
     }
     for (line, (name, value)) in found.aimed.iter().enumerate() {
         let output =
             model.outputs.iter().find_map(|one| one.labels().position(|label| label == *name).map(|at| &one.units[at]));
-        let unit = output.map_or("", String::as_str);
-        let _ = writeln!(out, "  {:<12} {name} = {} {unit}", if line == 0 { "aimed" } else { "" }, number(*value));
+        let unit = output.map_or("", |unit| if unit == "1" { "" } else { unit });
+        let head = if line == 0 { "aimed" } else { "" };
+        let _ = writeln!(out, "{}", format!("  {head:<12} {name} = {} {unit}", number(*value)).trim_end());
     }
     if found.stages.len() > 1 {
         stages(&mut out, found);

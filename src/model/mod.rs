@@ -336,6 +336,16 @@ impl Model {
         if self.lengths().any(|length| length == velocity) { "N" } else { "N m" }
     }
 
+    /// What the coordinate of a velocity is measured in: `m` along slides, `rad` about axes.
+    pub fn coordinate_unit(&self, velocity: usize) -> &'static str {
+        if self.lengths().any(|length| length == velocity) { "m" } else { "rad" }
+    }
+
+    /// What an output's number is measured in, by its place among the numbers of all outputs; `1` if it is a pure number.
+    pub fn output_unit(&self, number: usize) -> &str {
+        self.outputs.iter().flat_map(|output| &output.units).nth(number).map_or("1", String::as_str)
+    }
+
     /// The velocity coordinate of this [`label`](Self::label).
     pub fn labelled(&self, label: &str) -> Option<usize> {
         (0..self.velocity_count()).find(|velocity| self.label(*velocity) == label)

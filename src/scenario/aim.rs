@@ -1,12 +1,11 @@
 //! `statics.aim`: what outputs of the equilibrium shall be.
 
 use super::findings::Finding;
+use super::measured;
 use super::quantities::Numbers;
 use super::reader::{Reader, number};
 use crate::model::structure::Structure;
 use crate::model::{Description, Model, Parameter};
-use crate::quantity::Dimension;
-use crate::quantity::measure::Measure;
 use crate::statics::Aim;
 use crate::suggest::closest;
 
@@ -70,18 +69,8 @@ pub(super) fn read(
             table.findings.push(Finding::error(key.span(), message).maybe_help(help));
             continue;
         };
-        let measure = texts.measure(&value.span());
-        if measure.is_some_and(|measure| !Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension))) {
-            let message = format!("`{name}` is measured in {unit}, not in this unit");
-            table.findings.push_value(Finding::error(value.span(), message));
-        }
         if let Some(wanted) = number(value.get_ref()) {
-            // An output that counts in degrees is aimed at in degrees.
-            let size = if texts.is_text(&value.span()) && measure.is_some_and(|measure| measure != Measure::Plain) {
-                Dimension::size_of(unit)
-            } else {
-                1.0
-            };
+            let size = measured::size(scenario, texts, value.span(), name, unit);
             all.push(Aim { output: name.to_owned(), value: wanted / size });
         }
     }

@@ -37,6 +37,16 @@ pub(super) fn settle(scenario: &Reader<'_>, description: &mut Description, texts
     }
 }
 
+/// What 1 of the unit is, if a quantity is written here; else 1. A quantity in a unit that does not fit is refused.
+pub(super) fn size(scenario: &Reader<'_>, texts: &Numbers, span: Range<usize>, what: &str, unit: &str) -> f64 {
+    let Some(measure) = texts.measure(&span).filter(|measure| *measure != Measure::Plain) else { return 1.0 };
+    if !Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension)) {
+        let unit = if unit.is_empty() || unit == "1" { "a pure number" } else { &format!("measured in {unit}") };
+        scenario.findings.push_value(Finding::error(span, format!("`{what}` is {unit}, not in this unit")));
+    }
+    Dimension::size_of(unit)
+}
+
 /// Keys of controllers whose unit is that of what they sense and drive.
 const CONTROLLER_KEYS: [&str; 7] = ["setpoint", "bias", "limit", "matrix", "proportional", "integral", "derivative"];
 
@@ -75,14 +85,8 @@ impl Measuring<'_> {
         }
     }
 
-    /// What 1 of the unit is, if a quantity is written here; else 1. A quantity in a unit that does not fit is refused.
     fn size(&self, span: Range<usize>, what: &str, unit: &str) -> f64 {
-        let Some(measure) = self.texts.measure(&span).filter(|measure| *measure != Measure::Plain) else { return 1.0 };
-        if !Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension)) {
-            let unit = if unit.is_empty() || unit == "1" { "a pure number" } else { &format!("measured in {unit}") };
-            self.scenario.findings.push_value(Finding::error(span, format!("`{what}` is {unit}, not in this unit")));
-        }
-        Dimension::size_of(unit)
+        size(self.scenario, self.texts, span, what, unit)
     }
 
     /// What a gain is multiplied with that is a quantity, so that it is one on numbers of this unit; the times a second as often as `time` says.

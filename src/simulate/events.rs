@@ -483,9 +483,15 @@ impl Events {
             && self.counts(motion.model(), index)
         {
             self.move_to(motion, stepper, time)?;
-            let (speed, event) = (self.speed(motion, event, time), &motion.model().events[event]);
+            let (speed, velocity) = (self.speed(motion, event, time), self.velocities[event]);
+            let event = &motion.model().events[event];
+            let unit = match &event.of {
+                Watched::Position(_) => motion.model().coordinate_unit(velocity).to_owned(),
+                Watched::Point(..) => "m".to_owned(),
+                Watched::Output(number) => motion.model().output_unit(*number).to_owned(),
+            };
             let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
-            self.happened.push(Occurrence { time, kind, name, value, speed, between: None });
+            self.happened.push(Occurrence { time, kind, name, value, unit, speed, between: None });
         }
         let watch = &mut self.watches[index];
         watch.positive = !watch.positive;

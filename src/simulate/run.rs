@@ -367,7 +367,9 @@ impl Run<'_, '_> {
                 self.mark_all(recorder)?;
             } else if switches {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
-                self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0, between: None }, recorder)?;
+                let unit = "s".to_owned();
+                let switch = Occurrence { time, kind: Kind::Switch, name, value, unit, speed: 0.0, between: None };
+                self.mark(switch, recorder)?;
             }
             self.choice = if self.rests { Some(resting::SAID.to_owned()) } else { choice.said() };
             if captures {

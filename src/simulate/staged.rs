@@ -311,7 +311,8 @@ impl Staged<'_> {
         (self.model, self.state) = (next, state);
         let size = energy.size() + after.size() + work.abs();
         let value = if ENERGY.hides(lost, size) { 0.0 } else { lost };
-        let happened = Occurrence { time, kind: Kind::Stage, name, value, speed: 0.0, between: None };
+        let happened =
+            Occurrence { time, kind: Kind::Stage, name, value, unit: "J".to_owned(), speed: 0.0, between: None };
         recorder.event(&Event { time, name: happened.name.clone(), text: happened.to_string() })?;
         self.happened.push(happened);
         Ok(())

@@ -252,7 +252,13 @@ fn events(out: &mut String, material: &Material, energy: f64) {
         let text = |key: &str| escape(event[key].as_str().unwrap_or_default());
         let value = |key: &str| event[key].as_f64().map_or(String::new(), |x| number(sizes.clean_coordinate(x)));
         let time = event["time"].as_f64().map_or(String::new(), number);
-        let place = if is_stage(event) { [String::new(), String::new()] } else { [value("value"), value("speed")] };
+        let place = match event["unit"].as_str().filter(|_| !is_stage(event)) {
+            Some("1") => [value("value"), value("speed") + " 1/s"],
+            Some(unit) => {
+                [format!("{} {unit}", value("value")), format!("{} {unit}/s", value("speed"))].map(|one| escape(&one))
+            }
+            None => [String::new(), String::new()],
+        };
         let lost = event["value"].as_f64().filter(|_| is_stage(event));
         let lost = lost.map_or(String::new(), |lost| number(without_noise(lost, energy)));
         let [at, speed] = place;

@@ -30,7 +30,7 @@ pub use curve::{GuideCurve, GuideFlaw};
 
 use super::exponential::joined;
 use super::quadrature::GAUSS;
-use crate::round_off::{ON_A_CURVE, ONE_PLACE, PARAMETER};
+use crate::round_off::{ONE_PLACE, PARAMETER};
 use curve::{CLOSED, GAP, Line};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 
@@ -150,7 +150,8 @@ impl Guide {
         let beyond = s - s.clamp(from, to);
         let mut along = self.along(u);
         along.place += beyond * along.tangent[0];
-        if beyond.abs() > ON_A_CURVE.of(to - from) {
+        // What a loop leaves open when it closes onto an end is as if on the curve.
+        if beyond.abs() > ONE_PLACE.of(to - from) {
             along.tangent[1..].fill(Vector3::zeros());
         }
         let [t, t1, t2, t3] = along.tangent;

@@ -200,7 +200,8 @@ impl Triangles {
 
     /// A tube along a path.
     fn tube(&mut self, path: &[Vector3<f64>], radius: f64) {
-        let mut side = Vector3::x();
+        let chord = path.windows(2).map(|ends| ends[1] - ends[0]).next().unwrap_or_default();
+        let mut side = if chord.x.abs() < 0.9 * chord.norm() { Vector3::x() } else { Vector3::y() };
         let mut last: Option<Vec<u32>> = None;
         for (k, at) in path.iter().enumerate() {
             let (before, after) = (path[k.saturating_sub(1)], path[(k + 1).min(path.len() - 1)]);
@@ -288,6 +289,24 @@ mod tests {
             }
         }
         assert!(volume(&Triangles::arrow()) > 0.0 && volume(&Triangles::coil(8.0)) > 0.0);
+    }
+
+    #[test]
+    fn a_wire_is_as_thick_whichever_way_it_goes() {
+        for way in [
+            Vector3::x(),
+            -Vector3::x(),
+            Vector3::y(),
+            Vector3::z(),
+            Vector3::new(1.0, 1e-9, 0.0),
+            Vector3::new(1.0, 2.0, -1.0),
+        ] {
+            let wire = Triangles::wire(&[Vector3::zeros(), way], 0.1).expect("two points");
+            for at in &wire.positions {
+                let away = Vector3::from(*at).cast::<f64>().cross(&way.normalize()).norm();
+                assert!((away - 0.1).abs() < 1e-6, "{away} along {way}");
+            }
+        }
     }
 
     #[test]

@@ -70,12 +70,13 @@ pub struct Occurrence {
     pub kind: Kind,
     /// The name of the event or force, the body whose hinge it is, or the integrator that took over.
     pub name: String,
-    /// The value that was crossed (m or rad), of a rope the length of its path (m), of dry friction the coordinate (m or rad; 0 for a
-    /// spherical hinge); of a switch the step that led there (s); of a stage the energy that goes out of motion, gravity and
-    /// springs with it (J).
+    /// The value that was crossed, of a rope the length of its path, of dry friction the coordinate (0 for a spherical hinge); of a
+    /// switch the step that led there; of a stage the energy that goes out of motion, gravity and springs with it.
     pub value: f64,
-    /// How fast the number changed before (per second); of a switch nothing; of bodies that strike each other the speed at which they
-    /// approach (m/s).
+    /// What the value is measured in; `1` is a pure number.
+    pub unit: String,
+    /// How fast the number changed before (`unit` per second); of a switch nothing; of bodies that strike each other the speed at which
+    /// they approach (m/s).
     pub speed: f64,
     /// The names of two bodies that touch, if it is about them.
     pub between: Option<[String; 2]>,
@@ -93,16 +94,17 @@ impl Occurrence {
                 _ => format!("`{other}` {} on `{one}`", kind.name()),
             };
         }
-        let value = shown(self.value);
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let value = format!("{}{unit}", shown(self.value));
         match kind {
             Kind::Stage if self.value == 0.0 => format!("stage `{name}`"),
             Kind::Stage if self.value < 0.0 => format!("stage `{name}`, which puts in {} J", shown(-self.value)),
-            Kind::Stage => format!("stage `{name}`, which takes out {value} J"),
-            Kind::Switch => format!("`{name}` takes over after a step of {value} s"),
+            Kind::Stage => format!("stage `{name}`, which takes out {value}"),
+            Kind::Switch => format!("`{name}` takes over after a step of {value}"),
             Kind::Slip | Kind::Stick => format!("`{name}` {} at {value}", kind.name()),
             // How fast some outputs change is not known.
             _ if speed.is_nan() => format!("{} of `{name}` at {value}", kind.name()),
-            _ => format!("{} of `{name}` at {value}, speed {}", kind.name(), shown(*speed)),
+            _ => format!("{} of `{name}` at {value}, speed {} {}/s", kind.name(), shown(*speed), self.unit),
         }
     }
 }

@@ -32,7 +32,7 @@ impl Equations {
         let force = self.model().forces.get(boundary.element).filter(|_| boundary.index == 0)?;
         let (kind, name) = (Kind::Force(force.law.switches()?[usize::from(positive)]), force.name.clone());
         let Switch { at, speed, .. } = self.switch(time, boundary, state);
-        Some(Occurrence { time, kind, name, value: at, speed, between: None })
+        Some(Occurrence { time, kind, name, value: at, unit: "m".to_owned(), speed, between: None })
     }
 
     /// Keeps laws where an impact has put the state; what is told of that.

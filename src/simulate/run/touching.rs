@@ -96,6 +96,7 @@ impl Run<'_, '_> {
             kind: told.kind,
             name: rules[told.rule].name.clone(),
             value: 0.0,
+            unit: "m".to_owned(),
             speed: told.speed,
             between: Some(told.between),
         };
@@ -162,7 +163,16 @@ impl Run<'_, '_> {
     fn note_switch(&mut self, time: f64, name: &str) {
         if let Some(events) = &mut self.events {
             let name = name.to_owned();
-            events.happened.push(Occurrence { time, kind: Kind::Switch, name, value: 0.0, speed: 0.0, between: None });
+            let unit = "s".to_owned();
+            events.happened.push(Occurrence {
+                time,
+                kind: Kind::Switch,
+                name,
+                value: 0.0,
+                unit,
+                speed: 0.0,
+                between: None,
+            });
         }
     }
 

@@ -439,6 +439,7 @@ impl Instant<'_> {
         let value = link.map_or(0.0, |link| self.state.position[link.position]);
         let speed = rate_of(friction, &self.state.velocity).norm();
         let name = model.bodies[friction.body].name.clone();
-        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, speed, between: None });
+        let unit = model.coordinate_unit(friction.velocity).to_owned();
+        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, unit, speed, between: None });
     }
 }

@@ -407,7 +407,8 @@ impl Instant<'_> {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
         let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.at));
-        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, speed, between: None });
+        let unit = model.coordinate_unit(stop.velocity).to_owned();
+        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, unit, speed, between: None });
     }
 
     /// A stop that something without another way runs through.

@@ -167,7 +167,9 @@ pub(in crate::statics) fn examine(
         }
         Sides::Leave(_) => {
             stability.verdict = StabilityVerdict::Neutral;
-            stability.neutral_directions += 1;
+            // Where all is neutral on one side, what is neutral on another is among it.
+            let all = model.degrees_of_freedom() - stability.unstable_directions;
+            stability.neutral_directions = (stability.neutral_directions + 1).min(all);
         }
         Sides::Hold => {}
         Sides::Swing => {

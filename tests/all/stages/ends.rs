@@ -117,3 +117,22 @@ fn the_event_at_a_rigid_limit_comes_before_the_impact() {
         assert!((found.state.velocity[0] + 0.5 * speed).abs() < 1e-9 * speed, "seed {seed}");
     }
 }
+
+/// A body that flies is caught onto a curve by a shoe that waits there. Along the curve momentum is kept, across it what comes goes; the
+/// event watches the very distance that its stage closes.
+#[test]
+fn what_flies_is_caught_onto_a_curve_by_a_shoe() {
+    let (_, found) = super::shipped("caught_on_rail");
+    let caught = found.events.iter().find(|event| event.name == "caught").expect("the stage");
+    assert!((caught.time - 0.75).abs() < 1e-9, "{caught}");
+    let (car, shoe, gravity) = (2.0, 0.1, 9.80665);
+    let velocity = Vector3::new(2.0, 0.0, -0.25 * gravity);
+    let along = Vector3::new(1.0, 0.0, -0.9).normalize();
+    // z = 0.3 u² - 0.9 u at u = 0.
+    let curvature = 0.6 / (1.0 + 0.81_f64).powf(1.5);
+    let whole = car + shoe + 1e-4 * curvature * curvature;
+    let speed = car * velocity.dot(&along) / whole;
+    let lost = 0.5 * car * velocity.norm_squared() - 0.5 * whole * speed * speed;
+    assert!((caught.value - lost).abs() < 1e-8 * lost, "{} {lost}", caught.value);
+    assert!(found.energy_drift < 1e-9, "{:e} J", found.energy_drift);
+}
