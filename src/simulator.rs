@@ -109,9 +109,9 @@ impl Simulator {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Summary, RunError> {
         // The method of one that has not stepped yet is its settings'.
-        let first = Resume { time: self.now.time, method: Method::Rk4, step: None, grid: None };
-        let resume = Some(self.now.resume.unwrap_or(first));
-        let settings = Settings { duration, resume, ..self.settings };
+        let first = Resume { time: self.now.time, method: Method::Rk4, step: None, grid: None, mode: None };
+        let resume = Some(self.now.resume.clone().unwrap_or(first));
+        let settings = Settings { duration, resume, ..self.settings.clone() };
         let model = Arc::new(self.model.continued(&self.now.inputs, &self.now.memories));
         simulate::run(&model, &settings, 0.5 / duration, &self.now.state, recorder, &mut |_, _| go_on())
     }
@@ -137,6 +137,10 @@ impl Simulator {
         if self.now.inputs != inputs {
             self.now.inputs.copy_from_slice(inputs);
             self.outputs = None;
+            // What rests may not do so any more.
+            if let Some(resume) = &mut self.now.resume {
+                resume.mode = resume.mode.take().map(|mode| Arc::new(Arc::unwrap_or_clone(mode).awake()));
+            }
         }
     }
 

@@ -298,7 +298,7 @@ impl Equilibrium {
         period: Option<f64>,
     ) -> PyResult<Run> {
         let scenario = self.scene.get().scenario();
-        let mut settings = scenario.simulate;
+        let mut settings = scenario.simulate.clone();
         settings.start = stillpoint::simulate::Start::Equilibrium;
         settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
         let asked = Asked {

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stillpoint::integrate::Method;
-use stillpoint::simulate::{self, Grid, Resume, State};
+use stillpoint::simulate::{self, Grid, Mode, Resume, State};
 use stillpoint::simulator::{self, Snapshot};
 
 /// A scene at a time: it goes on as far as it is told to, with stops, events and controllers as in a run.
@@ -64,13 +64,13 @@ impl Simulator {
 #[derive(FromPyObject)]
 struct Kept(f64, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<f64>>, Option<Next>);
 
-/// What a next step follows from: the time, the method, its step (s), and the grid of fixed steps.
+/// What a next step follows from: the time, the method, its step (s), the grid of fixed steps, and what stops, dry friction and contacts do.
 #[derive(FromPyObject)]
-struct Next(f64, String, Option<f64>, Option<(f64, u64)>);
+struct Next(f64, String, Option<f64>, Option<(f64, u64)>, Option<Vec<f64>>);
 
 impl Next {
     fn resume(self) -> PyResult<Resume> {
-        let Self(time, method, step, grid) = self;
+        let Self(time, method, step, grid, mode) = self;
         let method = Method::ALL.into_iter().find(|one| one.name() == method).ok_or_else(|| {
             PyValueError::new_err(format!("no integrator is called `{method}`: this is no state of this version"))
         })?;
@@ -80,7 +80,12 @@ impl Next {
         if grid.is_some_and(|(origin, _)| !origin.is_finite()) {
             return Err(PyValueError::new_err("the grid of a state begins at a finite time"));
         }
-        Ok(Resume { time, method, step, grid: grid.map(|(origin, steps)| Grid { origin, steps }) })
+        let mode = mode.map(|numbers| Mode::of_numbers(&numbers).map(Arc::new));
+        if mode == Some(None) {
+            return Err(PyValueError::new_err("what stops and contacts do is no part of a state of this version"));
+        }
+        let grid = grid.map(|(origin, steps)| Grid { origin, steps });
+        Ok(Resume { time, method, step, grid, mode: mode.flatten() })
     }
 }
 
@@ -217,9 +222,10 @@ impl Simulator {
         let here = self.now();
         let now = here.snapshot();
         let (q, v) = (now.state.position.clone(), now.state.velocity.clone());
-        let next = now.resume.map(|resume| {
+        let next = now.resume.as_ref().map(|resume| {
             let grid = resume.grid.map(|grid| (grid.origin, grid.steps));
-            (resume.time, resume.method.name(), resume.step, grid)
+            let mode = resume.mode.as_ref().map(|mode| mode.numbers());
+            (resume.time, resume.method.name(), resume.step, grid, mode)
         });
         (now.time, q, v, now.inputs.clone(), now.memories.clone(), next).into_pyobject(py)
     }

@@ -61,7 +61,7 @@ impl Keywords {
     /// The run of a scene from a state, from an equilibrium, or from where the file says.
     pub(crate) fn asked(&self, scene: &Scene, start: Option<State>, found: Option<Arc<Searched>>) -> Asked {
         let (scenario, model) = (scene.scenario(), scene.model());
-        let mut settings = scenario.simulate;
+        let mut settings = scenario.simulate.clone();
         settings.duration = self.duration.unwrap_or(settings.duration);
         settings.step = self.step.or(settings.step);
         settings.integrator = self.integrator.unwrap_or(settings.integrator);

@@ -176,7 +176,7 @@ fn start_at(
     scenario.description = started.description;
     scenario.given = started.changes.into_iter().map(|(address, _, now)| (address, now)).collect();
     scenario.simulate.resume = started.resume;
-    if started.resume.is_some() {
+    if scenario.simulate.resume.is_some() {
         // The scene is put together as the scenario has it.
         let model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
         let Model { start_position, start_velocity, .. } = &*started.model;

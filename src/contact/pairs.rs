@@ -341,6 +341,14 @@ impl Pairs {
         touch(&a, &b, 0.0).ok().flatten().map_or(0.0, |found| (-found.gap).max(0.0))
     }
 
+    /// Whether there is such a couple, with such features.
+    pub(crate) fn knows(&self, key: &Key) -> bool {
+        self.couples.get(key.couple).is_some_and(|couple| {
+            let [a, b] = couple.pieces.map(|piece| self.standing(piece));
+            pairs(&a, &b).into_iter().any(|features| features == key.features)
+        })
+    }
+
     /// One pair of features.
     pub(crate) fn meeting(&self, key: &Key) -> Option<Meeting> {
         let [a, b] = self.couples[key.couple].pieces;

@@ -158,7 +158,7 @@ impl Instance {
                 self.now.begin
             )));
         }
-        let settings = *settings;
+        let settings = settings.clone();
         let (model, state) = at_start(&scene)?;
         let found = Variables::of(&scene, &model, &self.manifest.parameters)?;
         let names = |variables: &Variables| variables.list.iter().map(|one| one.name.clone()).collect::<Vec<_>>();

@@ -2,10 +2,11 @@
 
 use super::FmuError;
 use crate::integrate::Method;
-use crate::simulate::{Grid, Resume, State};
+use crate::simulate::{Grid, Mode, Resume, State};
 use crate::simulator::{Simulator, Snapshot};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The states of co-simulation without event mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -112,13 +113,14 @@ impl Situation {
 }
 
 fn written(now: &Snapshot) -> Value {
-    let resume = now.resume.map(|resume| {
+    let resume = now.resume.as_ref().map(|resume| {
         json!({
             "time": bits(resume.time),
             "method": resume.method.name(),
             "step": resume.step.map(bits),
             "origin": resume.grid.map(|grid| bits(grid.origin)),
             "steps": resume.grid.map(|grid| grid.steps),
+            "mode": resume.mode.as_ref().map(|mode| list(&mode.numbers())),
         })
     });
     json!({
@@ -141,6 +143,7 @@ fn snapshot(value: &Value) -> Option<Snapshot> {
             method: Method::ALL.into_iter().find(|method| method.name() == name)?,
             step: maybe(&value["step"], number)?,
             grid: if value["origin"].is_null() { None } else { Some(grid(value)?) },
+            mode: maybe(&value["mode"], |mode| Mode::of_numbers(&numbers(mode)?).map(Arc::new))?,
         })
     };
     Some(Snapshot {

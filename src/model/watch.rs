@@ -190,6 +190,22 @@ fn second_rigid_stops(index: usize, body: &BodyDescription) -> Vec<Problem> {
             let field = format!("hinge.limits[{place}]");
             problems.push(Problem { element: Element::Body(index), field, message, help: Some(help.to_owned()) });
         }
+        // One table from high to low is refused where it is read.
+        let own = sides(limit).into_iter().filter(|(.., rigid)| *rigid);
+        let crossed = own.flat_map(|(coordinate, side, at, _)| {
+            let others = limits[..place].iter().flat_map(sides);
+            let other = others.filter(move |other| other.3 && other.0 == coordinate && other.1 != side);
+            other.map(move |other| (coordinate, side.of([[at, other.2], [other.2, at]])))
+        });
+        for (coordinate, [low, high]) in crossed.filter(|(_, [low, high])| low >= high) {
+            let message = format!(
+                "coordinate {coordinate} of the hinge of `{}` has its low rigid stop at {low} and its high one at {high}: they leave no room",
+                body.name
+            );
+            let help = "the low one is below the high one; a hinge without room is one of type `fixed`";
+            let field = format!("hinge.limits[{place}]");
+            problems.push(Problem { element: Element::Body(index), field, message, help: Some(help.to_owned()) });
+        }
     }
     problems
 }

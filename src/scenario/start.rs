@@ -32,7 +32,7 @@ use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem, counted};
 use crate::model::{Beam, Body, Link, ModalBody, Model};
-use crate::simulate::{Grid, Integrator, Resume, State};
+use crate::simulate::{Grid, Integrator, Mode, Resume, State};
 use crate::suggest::closest_of_many;
 use crate::text_file;
 use std::fmt::Write;
@@ -100,8 +100,12 @@ fn text_of(
     if !model.title.is_empty() {
         let _ = writeln!(out, "title = {}", quoted(&model.title));
     }
-    if let Some(Resume { time, method, step, grid }) = resume {
-        let _ = writeln!(out, "time = {time:?}\n\n[integrator]\nmethod = {}", quoted(method.name()));
+    if let Some(Resume { time, method, step, grid, mode }) = resume {
+        let _ = writeln!(out, "time = {time:?}");
+        if let Some(mode) = mode {
+            let _ = writeln!(out, "mode = {:?}", mode.numbers());
+        }
+        let _ = writeln!(out, "\n[integrator]\nmethod = {}", quoted(method.name()));
         if let Some(step) = step {
             let _ = writeln!(out, "step = {step:?}");
         }
@@ -251,14 +255,14 @@ impl File<'_> {
             }
         };
         self.read_multipliers(&model);
-        let resume = self.resume();
+        let resume = self.resume(&model);
         let Self { changed, changes, multipliers, .. } = self;
         let description = if resume.is_some() { scene } else { changed };
         Some(Started { description, model, resume, changes, multipliers })
     }
 
     /// Where a run goes on; `None` if the file has no time.
-    fn resume(&self) -> Option<Resume> {
+    fn resume(&self, model: &Model) -> Option<Resume> {
         let time = self.whole.number("time")?;
         let integrator = self.whole.table("integrator");
         let number = |key: &str| integrator.as_ref().and_then(|table| table.number(key));
@@ -271,7 +275,15 @@ impl File<'_> {
         };
         let steps = integrator.as_ref().and_then(|table| table.count("steps")).map(|steps| steps as u64);
         let grid = number("origin").zip(steps).map(|(origin, steps)| Grid { origin, steps });
-        Some(Resume { time, method, step: number("step"), grid })
+        let read = |numbers: Vec<f64>| Mode::of_numbers(&numbers).filter(|mode| mode.fits(model)).map(Arc::new);
+        let mode = self.whole.numbers("mode").map(read);
+        if mode == Some(None) {
+            let message =
+                "`mode` is of another scene: it says what stops, dry friction and contacts of the run before did";
+            let help = "leave it out, and that is decided anew";
+            self.whole.findings.push(Finding::error(self.whole.key_span("mode"), message.to_owned()).help(help));
+        }
+        Some(Resume { time, method, step: number("step"), grid, mode: mode.flatten() })
     }
 
     /// Of every loop, drive and gear that the file names: the scene must have it, with as many rows.

@@ -77,8 +77,11 @@ impl Choice {
             (Integrator::Auto, _) => (explicit, format!("{}, no stiffness was met", explicit.name())),
         };
         let auto = settings.integrator == Integrator::Auto;
-        let before =
-            settings.resume.map(|resume| resume.method).filter(|was| auto && (*was == explicit || *was == implicit));
+        let before = settings
+            .resume
+            .as_ref()
+            .map(|resume| resume.method)
+            .filter(|was| auto && (*was == explicit || *was == implicit));
         let (method, said) = match before {
             Some(method) => (method, format!("{}, as before", method.name())),
             None => (method, said),

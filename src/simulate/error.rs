@@ -20,6 +20,12 @@ pub enum RunError {
         /// Why not.
         why: String,
     },
+    /// What another run has left, of another scene.
+    #[error("what stops, dry friction and contacts did at t = {} s is of another scene: leave `mode` out of the start file, and it is decided anew", number(*.time))]
+    Mode {
+        /// When (s).
+        time: f64,
+    },
     /// Bodies whose contact cannot be decided.
     #[error("at t = {} s the contact of `{}` and `{}` cannot be decided: {why}", number(*.time), .between[0], .between[1])]
     Touch {

@@ -12,6 +12,7 @@
 //! | [`events`] | the functions that are watched, and the transition that is found first |
 //! | `stops` | what stops and dry friction of hinges hold, and what follows at an instant |
 //! | `contact` | bodies that touch: their rows, instants, events, and steps that capture many events |
+//! | `mode` | the discrete state of a run as one value: what its stops, dry friction and contacts do |
 //! | `resting` | scenes that contact holds at rest: nothing is integrated |
 //! | `passage` | singular positions of loops, and how a run passes them |
 //! | `implicit`, `coordinates` | Newton's matrices of implicit steps, and rates of hinge coordinates |
@@ -29,6 +30,7 @@ mod entry;
 mod error;
 pub mod events;
 mod implicit;
+mod mode;
 mod passage;
 pub mod problem;
 mod resting;
@@ -44,6 +46,7 @@ mod stride;
 pub use checks::{precision, rest, verify};
 pub use entry::{run, run_controlled, scene};
 pub use error::RunError;
+pub use mode::Mode;
 pub use resting::check;
 pub use run::Summary;
 pub use run::prepared::check_given;

@@ -24,6 +24,7 @@ use crate::simulate::error::RunError;
 use crate::simulate::events::search::Search;
 use crate::simulate::events::timetable::Timetable;
 use crate::simulate::events::{Events, Hit, Kind, Occurrence};
+use crate::simulate::mode::Mode;
 use crate::simulate::problem::Equations;
 use crate::simulate::resting;
 use crate::simulate::samples::ledger::{Booked, Ledger};
@@ -31,7 +32,7 @@ use crate::simulate::samples::sampler::Sampler;
 use crate::simulate::settings::{Integrator, Resume, Settings};
 use crate::simulate::state::State;
 use crate::simulate::stiffness::fastest;
-use crate::simulate::stops::instant;
+use crate::simulate::stops::instant::{self, Outcome};
 use crate::spatial::Pose;
 use prepared::Prepared;
 use std::sync::Arc;
@@ -141,7 +142,7 @@ fn fixed_step(model: &Model, settings: &Settings, method: Method) -> Option<f64>
 
 /// The grid of fixed steps that a run goes on with.
 fn resumed_grid(settings: &Settings, step: f64) -> Option<(f64, u64)> {
-    let resume = settings.resume.filter(|resume| resume.step == Some(step))?;
+    let resume = settings.resume.as_ref().filter(|resume| resume.step == Some(step))?;
     resume.grid.map(|grid| (grid.origin, grid.steps))
 }
 
@@ -160,6 +161,25 @@ fn end(model: &Model, settings: &Settings, function: Option<&Function<'_>>) -> f
     let (origin, _) = resumed_grid(settings, step).unwrap_or((begin, 0));
     let on_grid = origin + ((end - origin) / step).round() * step;
     if is_meant(&on_grid) { on_grid } else { end }
+}
+
+/// Goes on in the mode of the run before: what has changed since then alone is an event.
+fn taken_up(
+    motion: &mut Equations,
+    settings: &Settings,
+    state: &mut State,
+    mode: &Arc<Mode>,
+) -> Result<Outcome, RunError> {
+    let begin = settings.begin();
+    let model = Arc::clone(motion.model());
+    if mode.has_contacts() {
+        touching::allow(motion, &model, settings)?;
+    }
+    motion.set_mode(begin, state, mode)?;
+    match mode.is_captured() {
+        true => Ok(Outcome::default()),
+        false => instant::resolve(motion, begin, state, settings.absolute_tolerance, None),
+    }
 }
 
 struct Run<'m, 'f> {
@@ -212,10 +232,14 @@ impl<'m, 'f> Run<'m, 'f> {
         if model.has_boundaries() {
             motion.at(begin, &state.position, &state.velocity).keep_laws();
         }
-        let outcome = instant::resolve(motion, begin, &mut state, settings.absolute_tolerance, None)?;
+        let mode = settings.resume.as_ref().and_then(|resume| resume.mode.as_ref()).filter(|_| !rests);
+        let outcome = match mode {
+            Some(mode) => taken_up(motion, settings, &mut state, mode)?,
+            None => instant::resolve(motion, begin, &mut state, settings.absolute_tolerance, None)?,
+        };
         match rests {
             true => resting::prove(motion, begin, &state)?,
-            false if model.contacts.is_empty() => {}
+            false if model.contacts.is_empty() || motion.contacts.is_some() => {}
             false => touching::allow(motion, model, settings)?,
         }
         let mut before = motion.energies(begin, &state.position, &state.velocity);
@@ -258,7 +282,7 @@ impl<'m, 'f> Run<'m, 'f> {
             handed_back: None,
         };
         run.sampler.contacts = contacts;
-        run.touch(motion, begin, false)?;
+        run.touch_as(motion, begin, mode.is_some())?;
         if booked.is_none_or(|booked| !booked.has_run)
             && let Equations { contacts: Some(contacts), system, .. } = motion
         {
@@ -290,6 +314,7 @@ impl Run<'_, '_> {
         given: &Arc<Model>,
     ) -> Result<Summary, RunError> {
         let outputs = self.sampler.outputs(motion, &self.ledger, resume.time, &self.state)?;
+        let resume = Resume { mode: motion.mode().map(Arc::new), ..resume };
         let summary = self.summary(motion, settings, resume, energy_start);
         Ok(Summary { outputs, model: Arc::clone(given), ..summary })
     }

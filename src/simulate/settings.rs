@@ -1,12 +1,14 @@
 //! What a user asks of a run.
 
 use crate::integrate::{Method, Options};
+use crate::simulate::mode::Mode;
+use std::sync::Arc;
 
 /// The least and the largest relative tolerance that may be asked for.
 pub const TOLERANCES: [f64; 2] = [1e-14, 1.0];
 
 /// The `[simulate]` table.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Where the run starts.
     pub start: Start,
@@ -47,7 +49,7 @@ impl Default for Settings {
 impl Settings {
     /// The time at which the run begins (s).
     pub fn begin(&self) -> f64 {
-        self.resume.map_or(0.0, |resume| resume.time)
+        self.resume.as_ref().map_or(0.0, |resume| resume.time)
     }
 }
 
@@ -56,8 +58,8 @@ impl Settings {
 /// A method that takes its steps from a fixed grid and remembers nothing of the last one (`rk4`) goes on bit for bit, if the
 /// run did not end within a step, nor within something short that a formula does. An adaptive one begins with the step that it would have taken; what it remembers of
 /// earlier steps (their error, past accelerations, factorizations, and for implicit methods the guess of the next stages)
-/// is made anew.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// is made anew. What holds, slides and touches goes on as it did.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Resume {
     /// The time reached (s).
     pub time: f64,
@@ -67,6 +69,8 @@ pub struct Resume {
     pub step: Option<f64>,
     /// The fixed grid that the steps belong to; `None` for an adaptive method, and if the last step was cut.
     pub grid: Option<Grid>,
+    /// What stops, dry friction and contacts did; `None` if there are none, or if it is decided anew.
+    pub mode: Option<Arc<Mode>>,
 }
 
 /// Times of fixed steps: `origin + k step`.

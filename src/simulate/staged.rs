@@ -410,9 +410,16 @@ pub(super) fn run(
             staged.change(stage, settings.gap, recorder)?;
         }
         let until = staged.next(end);
-        let resume = total.as_ref().map(|done| Resume { time: staged.time, step: None, grid: None, ..done.resume });
+        let after = |done: &Summary| Resume {
+            time: staged.time,
+            step: None,
+            grid: None,
+            mode: None,
+            method: done.resume.method,
+        };
+        let resume = total.as_ref().map(after);
         let start = if total.is_some() { Start::Given } else { settings.start };
-        let part = Settings { duration: between(staged.time, until), resume, start, ..*settings };
+        let part = Settings { duration: between(staged.time, until), resume, start, ..settings.clone() };
         let mut relay = Relay::new(&layout, &staged.model, recorder);
         let asked = Asked { settings: &part, rate, recorder: &mut relay, go_on: &mut *go_on, search, function: None };
         let done = run_one(&staged.model, &staged.state, asked, staged.booked.as_ref())?;

@@ -377,7 +377,7 @@ impl Direct {
 /// Whether scenes are asked the same, whatever they are.
 pub(super) fn is_alike(one: &Scenario, other: &Scenario) -> bool {
     let settings = |one: &Scenario| {
-        let settings = (one.simulate, one.statics, one.record, one.path.clone());
+        let settings = (one.simulate.clone(), one.statics, one.record, one.path.clone());
         (settings, one.unknown.clone(), one.aim.clone(), one.margin.clone())
     };
     settings(one) == settings(other)

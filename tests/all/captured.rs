@@ -152,7 +152,7 @@ fn captured_steps_follow_what_presses_on_them_and_their_error_is_told() {
     let expected = [-0.25652669, -0.65243246, -0.25197789, -1.90265487];
     let mut last = f64::INFINITY;
     for (tolerance, allowed) in [(1e-4, 2e-2), (1e-7, 1e-3), (1e-10, 1e-4)] {
-        let settings = Settings { tolerance, absolute_tolerance: tolerance, ..scenario.simulate };
+        let settings = Settings { tolerance, absolute_tolerance: tolerance, ..scenario.simulate.clone() };
         let summary = run(&model, &settings, 1.0, &start, &mut Fanout::new(), &mut |_, _| true).unwrap();
         assert!(summary.capture_steps > 0);
         let (q, v) = (&summary.state.position, &summary.state.velocity);

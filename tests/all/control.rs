@@ -141,7 +141,8 @@ fn every_integrator_ends_its_steps_at_the_instants() {
     }
     let (scenario, model) = scene(&masses(GAIN));
     for integrator in integrators() {
-        let settings = Settings { integrator, tolerance: 1e-10, absolute_tolerance: 1e-10, ..scenario.simulate };
+        let settings =
+            Settings { integrator, tolerance: 1e-10, absolute_tolerance: 1e-10, ..scenario.simulate.clone() };
         let done = ran(&model, &settings, 10.0, &mut Kept::default()).unwrap();
         let found = &done.state;
         let error = (0..2).map(|i| (found.position[i] - x[i]).abs().max((found.velocity[i] - x[2 + i]).abs()));
@@ -419,7 +420,7 @@ fn friction_and_stops_heed_what_controllers_set() {
     let (scenario, model) = scene(text);
     let mut ends = Vec::new();
     for integrator in ["auto", "dopri5", "radau5", "rk4"].into_iter().filter_map(Integrator::named) {
-        let settings = Settings { integrator, ..scenario.simulate };
+        let settings = Settings { integrator, ..scenario.simulate.clone() };
         let done = ran(&model, &settings, 10.0, &mut Kept::default()).unwrap();
         let first = &done.events[0];
         assert!(first.kind.name() == "slips" && (first.time - 0.1).abs() < 1e-12, "{integrator:?}: {first:?}");

@@ -95,7 +95,7 @@ fn an_event_where_a_run_goes_on_is_told_once() {
             let begin = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
             let part = Settings { start: simulate::Start::Given, duration: 0.4, ..Settings::default() };
             let half = run(&model, &part, &begin);
-            let rest = run(&model, &Settings { resume: Some(half.resume), duration: 0.6, ..part }, &half.state);
+            let rest = run(&model, &Settings { resume: Some(half.resume.clone()), duration: 0.6, ..part }, &half.state);
             let crossings = |done: &Summary| done.events.iter().filter(|one| one.name == "e").count();
             let told = [crossings(&half), crossings(&rest)];
             assert_eq!(told[0] + told[1], 1, "{digits} digits, {direction}: {told:?}");
@@ -203,4 +203,61 @@ fn a_saved_run_goes_on() {
     std::fs::write(folder.path().join("bad.toml"), "time = 1.0\n[positions]\n").unwrap();
     let (code, _, told) = call(folder.path(), &["run", &scenario, "--start", "bad.toml"]);
     assert!(code == Some(2) && told.contains("[integrator] method"), "{told}");
+}
+
+/// What happened but changes of the method, by kind and name.
+fn told(done: &Summary) -> Vec<String> {
+    let is_told = |one: &&simulate::events::Occurrence| one.kind != simulate::events::Kind::Switch;
+    done.events
+        .iter()
+        .filter(is_told)
+        .map(|one| format!("{} {} {:?}", one.kind.name(), one.name, one.between))
+        .collect()
+}
+
+/// Runs of scenes with contact, stops and dry friction, cut into pieces that go on through the text of a file: they end where one run does, and
+/// what happened is told once. Where captured steps are at work, which end at every cut, it is the same to their order, and of what tumbles the
+/// account of energy is.
+#[test]
+fn what_touches_holds_and_slides_goes_on_as_it_did() {
+    for (name, duration, pieces, apart) in [
+        ("contact/coin", 1.0, 10, f64::INFINITY),
+        ("contact/rubber_feet", 1.0, 10, 1e-6),
+        ("contact/bouncing_ball", 1.0, 7, 1e-6),
+        ("contact/rocking_block", 1.0, 7, 1e-6),
+        ("contact/belt", 1.0, 10, 1e-6),
+        ("contact/newtons_cradle", 1.0, 10, 1e-6),
+        ("contact/incline", 1.0, 5, 1e-12),
+        ("contact/dropped_arm", 0.6, 6, 2e-3),
+        ("barrier", 1.0, 10, 1e-6),
+        ("arm_on_stop", 1.0, 10, 1e-6),
+        ("stick_slip", 2.0, 10, 1e-6),
+        ("dry_wheel", 1.0, 10, 1e-6),
+    ] {
+        let scenario = stillpoint::scenario::load(&file(name)).unwrap_or_else(|error| panic!("{error}"));
+        let model = build(&scenario.description);
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let settings = Settings { start: simulate::Start::Given, duration, ..scenario.simulate.clone() };
+        let whole = run(&model, &settings, &start);
+        let (mut state, mut resume, mut happened) = (start, None, Vec::new());
+        for piece in 1..=pieces {
+            let until = duration * f64::from(piece) / f64::from(pieces);
+            let begun = resume.as_ref().map_or(0.0, |resume: &simulate::Resume| resume.time);
+            let part = Settings { duration: until - begun, resume, ..settings.clone() };
+            let done = run(&model, &part, &state);
+            happened.extend(told(&done));
+            let gained = done.energy_end - done.energy_start - done.work + done.dissipated;
+            assert!(gained < 1e-3 * done.energy_largest, "{name}: {gained:e} J from {begun} s on");
+            let text = text_at_end(&model, &done.resume, &done.state, &[], &done.memories);
+            let read = parse_start("end.toml", &text, &scenario.description).unwrap_or_else(|bad| panic!("{bad}"));
+            state = State { position: read.model.start_position.clone(), velocity: read.model.start_velocity.clone() };
+            resume = read.resume;
+        }
+        if whole.capture_steps == 0 {
+            assert_eq!(happened, told(&whole), "{name}");
+        }
+        let off = state.position.iter().zip(&whole.state.position).map(|(one, other)| (one - other).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off <= apart, "{name}: {off:e}");
+    }
 }

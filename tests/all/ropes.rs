@@ -275,6 +275,7 @@ fn bad_ropes_curves_and_limits_are_shown_where_they_are() {
         (curve("{ }"), "neither `extension` nor `rate`", "10:9"),
         (spring("[[0.0, 0.0], [-1.0, 1.0]]"), "has -1 after 0", "4:63"),
         (limits("[{ low = 0.0 }, { low = 1.0 }]"), "second rigid stop on its low side", "4:56"),
+        (limits("[{ low = 1.0 }, { high = 0.5 }]"), "its low rigid stop at 1 and its high one at 0.5", "4:56"),
     ] {
         let found = said(&text);
         assert!(found.contains(message) && found.contains(&format!("scene.toml:{place}")), "{text}\n{found}");

@@ -144,6 +144,12 @@ impl Guide {
 
     /// Eq. (10).
     pub fn at(&self, s: f64) -> Guided {
+        // A tube or a rail that is straight is the most frequent one, and alike everywhere.
+        if matches!(self.line, Line::Straight) {
+            let along = joined(&Vector3::x(), &Vector3::zeros());
+            let subspaces = [along, Vector6::zeros(), Vector6::zeros()];
+            return Guided { turn: Matrix3::identity(), place: s * Vector3::x(), subspaces };
+        }
         let (k, u) = self.parameter(s);
         let knot = &self.knots[k];
         let [from, to] = self.range();
@@ -229,7 +235,7 @@ impl Guide {
             let [_, p1, p2, ..] = self.line.at(u);
             first.dot(&p1.cross(&p2)) / (p1.norm_squared() + first.dot(&p1) * p1.norm())
         };
-        let roll = if matches!(self.line, Line::Straight) { 0.0 } else { integral(knot.u, u, spin) };
+        let roll = integral(knot.u, u, spin);
         let about = UnitQuaternion::from_scaled_axis(roll * tangent);
         about.to_rotation_matrix() * shortest(first, tangent) * knot.frame
     }

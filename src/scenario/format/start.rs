@@ -17,6 +17,8 @@ pub const START: Table = Table {
             .example("2.5"),
         Key::new("integrator", Kind::Table(&INTEGRATOR), "What the method goes on with.")
             .example("{ method = \"rk4\" }"),
+        Key::new("mode", Kind::List(&NUMBER, &[]), "What stops, dry friction and contacts did at the end of a run that goes on, as it wrote that; decided anew where left out.")
+            .example("[1.0, 0.0, 0.0, 0.0, 0.0]"),
         Key::new("positions", LISTS, "Coordinates of every hinge, by the body it carries.")
             .required()
             .example("{ upper = [0.3] }"),

@@ -97,7 +97,7 @@ pub fn rest(
         duration,
         tolerance: settings.tolerance.min(STEP_TOLERANCE),
         absolute_tolerance: settings.absolute_tolerance.min(STEP_TOLERANCE),
-        ..*settings
+        ..settings.clone()
     };
     let mut watch = Watch::new(model, equilibrium);
     let summary = run(model, &settings, rate, &start, recorder, &mut |time, state| {

@@ -108,7 +108,7 @@ pub fn verify(
         tolerance,
         absolute_tolerance: (TIGHTER * settings.absolute_tolerance).max(TIGHTEST),
         step: None,
-        ..*settings
+        ..settings.clone()
     };
     let watched = !model.stops.is_empty() || !model.events.is_empty() || !model.contacts.is_empty();
     let states = if watched { (STATES * first.statistics.steps as f64).clamp(1.0, MOST_STATES) } else { 1.0 };

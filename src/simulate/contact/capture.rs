@@ -54,27 +54,27 @@ pub(super) const LOST: f64 = 1e-2;
 const SINKS: f64 = 0.25;
 
 /// What carries over from step to step.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Memory {
     /// Impulses of the last step over its length (N).
-    forces: Vec<(Id, Vector3<f64>)>,
+    pub(super) forces: Vec<(Id, Vector3<f64>)>,
     /// What they accelerated with (m/s², rad/s²).
-    pressed: Vec<f64>,
+    pub(super) pressed: Vec<f64>,
     /// What pushed in the last step.
-    active: Vec<Id>,
-    calm: usize,
+    pub(super) active: Vec<Id>,
+    pub(super) calm: usize,
     /// Steps in which nothing moved.
-    still: usize,
+    pub(super) still: usize,
     /// Energy that contacts took out and that drives put into their impulses since it was last asked for (J).
-    lost: f64,
-    work: f64,
+    pub(super) lost: f64,
+    pub(super) work: f64,
     /// When the last step began and ended (s).
-    last: [f64; 2],
+    pub(super) last: [f64; 2],
     pub(super) steps: usize,
     /// The step that is tried next (s).
     pub(super) step: f64,
     /// How deep anything has sunk at the end of the last step, in parts of its size, if there was one.
-    depth: Option<f64>,
+    pub(super) depth: Option<f64>,
 }
 
 impl Memory {

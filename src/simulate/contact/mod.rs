@@ -29,6 +29,7 @@
 //! | `spring` | compliant contacts |
 //! | `capture` | steps that capture all events of an instant |
 //! | `moreau` | one such step |
+//! | `mode` | what contacts do, as a value: for runs that go on |
 //! | `raise` | what has sunk in captured steps is moved apart |
 //! | `blocks` | `J M⁻¹ Jᵀ` of many contacts, by trees |
 
@@ -39,6 +40,7 @@ mod coupling;
 mod decide;
 mod impact;
 mod joint;
+mod mode;
 mod moreau;
 mod raise;
 mod rows;
@@ -57,6 +59,7 @@ use crate::round_off::REBOUND_OF_BODIES;
 use crate::spatial::link::LinkAcceleration;
 pub(super) use capture::Capture;
 pub(super) use decide::Told;
+pub(super) use mode::ContactMode;
 use nalgebra::{DVector, Vector3};
 use std::cell::OnceCell;
 use std::collections::VecDeque;
@@ -94,7 +97,7 @@ enum Regime {
 }
 
 /// Captured steps that follow each other.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Stretch {
     /// They do not end before (s).
     until: f64,

@@ -36,7 +36,7 @@ impl Run<'_, '_> {
         let given = fixed_step(self.model, settings, method);
         let fixed = given.map(|step| self.fine_step(motion, settings, time, step));
         let acted = self.control.as_ref().is_some_and(|control| control.acted(time));
-        let begins = settings.resume.filter(|resume| resume.time == time);
+        let begins = settings.resume.as_ref().filter(|resume| resume.time == time);
         let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
         // After a stage at the very end of a run no step follows.
         let lasts = |length: &f64| *length > 0.0 || begins.is_none();
@@ -66,12 +66,12 @@ impl Run<'_, '_> {
         let fixed = fixed_step(self.model, settings, method);
         let grid = fixed.and_then(|step| {
             let acted = self.control.as_ref().is_some_and(|control| control.acted(origin));
-            let begins = settings.resume.filter(|resume| resume.time == origin && !acted);
+            let begins = settings.resume.as_ref().filter(|resume| resume.time == origin && !acted);
             let (origin, before) = begins.and_then(|_| resumed_grid(settings, step)).unwrap_or((origin, 0));
             let grid = Grid { origin, steps: before + stepper.statistics().steps };
             (grid.origin + grid.steps as f64 * step == time).then_some(grid)
         });
         let step = fixed.or_else(|| stepper.next_step());
-        Resume { time, method, step, grid }
+        Resume { time, method, step, grid, mode: None }
     }
 }

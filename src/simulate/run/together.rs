@@ -186,7 +186,7 @@ impl<'m> Lane<'m> {
         run.statistics.add(stepper.statistics());
         // The round is shared: of its time each has a part.
         run.wall = begun.elapsed() / WIDTH as u32;
-        let resume = Resume { time: stepper.time(), method, step: None, grid: None };
+        let resume = Resume { time: stepper.time(), method, step: None, grid: None, mode: None };
         run.end(&mut motion, settings, resume, energy_start, model)
     }
 }

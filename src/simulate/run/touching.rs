@@ -58,6 +58,26 @@ impl Run<'_, '_> {
     /// # Errors
     /// [`RunError::Touch`], or a state that cannot be evaluated.
     pub(super) fn touch(&mut self, motion: &mut Equations, time: f64, at_limit: bool) -> Result<(), RunError> {
+        self.decide(motion, time, at_limit)?;
+        // What is compliant strikes nothing, and steps do not capture it.
+        let notes = |contacts: &mut Box<Contacts>| {
+            !contacts.is_captured() && !contacts.is_compliant() && contacts.note_event(time)
+        };
+        if motion.contacts.as_mut().is_some_and(notes) {
+            self.note_switch(time, "capture");
+        }
+        Ok(())
+    }
+
+    /// As [`touch`](Self::touch) at the beginning of a run; where it `goes_on` that is no event.
+    ///
+    /// # Errors
+    /// As [`touch`](Self::touch).
+    pub(super) fn touch_as(&mut self, motion: &mut Equations, time: f64, goes_on: bool) -> Result<(), RunError> {
+        if goes_on { self.decide(motion, time, false) } else { self.touch(motion, time, false) }
+    }
+
+    fn decide(&mut self, motion: &mut Equations, time: f64, at_limit: bool) -> Result<(), RunError> {
         let stopped: Vec<usize> =
             motion.held().iter().filter(|held| held.stop.is_some()).map(|held| held.velocity).collect();
         let Equations { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
@@ -110,10 +130,6 @@ impl Run<'_, '_> {
             if let Some(contacts) = &mut motion.contacts {
                 contacts.rest_if_still(&mut self.state, &a);
             }
-        }
-        // What is compliant strikes nothing, and steps do not capture it.
-        if motion.contacts.as_mut().is_some_and(|contacts| !contacts.is_compliant() && contacts.note_event(time)) {
-            self.note_switch(time, "capture");
         }
         Ok(())
     }

@@ -130,7 +130,7 @@ pub(super) fn over_time(
     let sampled = sampling(times);
     let mut taken = Taken { times, places: &places, gap: sampled.unwrap_or_default(), rows: Vec::new() };
     let duration = if last > 0.0 { last } else { scenario.simulate.duration };
-    let settings = simulate::Settings { duration, ..scenario.simulate };
+    let settings = simulate::Settings { duration, ..scenario.simulate.clone() };
     let failed = |why: simulate::RunError| Stop::No(why.to_string());
     if let Some(gap) = sampled {
         let goes_on = &mut |_: f64, _: &State| go_on();

@@ -51,8 +51,9 @@ impl<'s> Scenes<'s> {
         for values in [start, &beside] {
             let read = self.read(values).ok()?;
             let set = self.set_directly(&numbers, values).ok()?;
-            let settings =
-                |one: &Scenario| (one.simulate, one.statics, one.unknown.clone(), one.aim.clone(), one.margin.clone());
+            let settings = |one: &Scenario| {
+                (one.simulate.clone(), one.statics, one.unknown.clone(), one.aim.clone(), one.margin.clone())
+            };
             if read.description != set.description || settings(&read) != settings(&set) {
                 return None;
             }

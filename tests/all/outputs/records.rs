@@ -43,7 +43,7 @@ fn asked(name: &str) -> (Scenario, Arc<Model>) {
 fn run(scenario: &Scenario, model: &Arc<Model>, state: &State) -> (Memory, Summary) {
     let scene = simulate::scene(model);
     let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
-    let mut settings = scenario.simulate;
+    let mut settings = scenario.simulate.clone();
     settings.duration = settings.duration.min(0.3);
     let summary = simulate::run(model, &settings, 50.0, state, &mut memory, &mut |_, _| true).unwrap();
     (memory, summary)

@@ -122,7 +122,7 @@ impl Run<'_> {
     #[track_caller]
     pub(super) fn until(&mut self, time: f64) {
         let duration = time - self.time;
-        let settings = Settings { duration, ..self.scene.scenario.simulate };
+        let settings = Settings { duration, ..self.scene.scenario.simulate.clone() };
         let model = &self.scene.model;
         let still = simulate::scene(model);
         let opening = Opening { scene: &still, scenario: &self.scene.scenario.text, statics: None };
