@@ -7,7 +7,11 @@
 //! integrate one more equation. Between them, stiff forces belong to no solution: the interpolant of a beam's axial strain is wrong
 //! by less than the tolerance, and what a drive needs to hold that up by many times the power that flows. Of other methods, and
 //! of steps that an event ends before their last stage, the powers along the interpolant are integrated by a Gauss rule.
+//!
+//! What a drive moves may turn far within a step, see `driven.rs`: where powers change with that by more than either rule sees, the step is
+//! taken in pieces of half a radian.
 
+use super::driven::{Driven, missed};
 use crate::dynamics::{Energies, Powers};
 use crate::integrate::Stepper;
 use crate::model::{Model, StopLaw};
@@ -29,6 +33,15 @@ const WHOLE: [(f64, f64); 5] = [
 const PART: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
+/// Over this turn of what is driven (rad) [`WHOLE`] misses 10⁻¹² of what its waves do.
+const PIECE: f64 = 0.5;
+/// Over this one [`PART`] does.
+const SHORT_PIECE: f64 = 0.1;
+/// Pieces of a step, at most: of what turns faster the account says that it is in doubt.
+const MOST_PIECES: f64 = 65_536.0;
+/// What a rule may miss of the waves of what is driven, as part of the largest energy: about its rounding.
+const MISSED: f64 = 1e-14;
+
 /// Energies of a run so far.
 #[derive(Debug, Clone)]
 pub(in crate::simulate) struct Ledger {
@@ -47,6 +60,7 @@ pub(in crate::simulate) struct Ledger {
     flows: bool,
     /// Whether nothing happens within the last step or cuts it short: the powers at its stages lie on one curve.
     pub undisturbed: bool,
+    driven: Driven,
     stages: StagePowers,
 }
 
@@ -56,6 +70,31 @@ struct StagePowers {
     /// When that step began and ended (s).
     step: [f64; 2],
     powers: Vec<Powers>,
+    waves: Waves,
+}
+
+/// What a few powers say of what is driven.
+#[derive(Debug, Clone, Copy, Default)]
+struct Waves {
+    /// How fast it goes (rad/s).
+    rate: f64,
+    /// The lowest and the highest of both kinds (W).
+    input: Option<[f64; 2]>,
+    dissipated: Option<[f64; 2]>,
+}
+
+impl Waves {
+    fn see(&mut self, rate: f64, Powers { input, dissipated }: Powers) {
+        let wider = |range: Option<[f64; 2]>, x: f64| range.map_or([x; 2], |[low, high]| [low.min(x), high.max(x)]);
+        self.rate = self.rate.max(rate);
+        self.input = Some(wider(self.input, input));
+        self.dissipated = Some(wider(self.dissipated, dissipated));
+    }
+
+    /// How far powers are from each other (W).
+    fn height(&self) -> f64 {
+        [self.input, self.dissipated].iter().flatten().map(|[low, high]| high - low).sum()
+    }
 }
 
 /// No method has more stages.
@@ -92,10 +131,12 @@ impl Ledger {
             || !model.is_conservative()
             || !model.drives.is_empty()
             || !model.motors.is_empty();
-        let stages = StagePowers { step: [f64::NAN; 2], powers: Vec::with_capacity(MOST_STAGES) };
+        let stages =
+            StagePowers { step: [f64::NAN; 2], powers: Vec::with_capacity(MOST_STAGES), waves: Waves::default() };
+        let driven = Driven::new(model);
         let largest = start.kinetic.max((start.kinetic + start.potential).abs());
         let (work, dissipated, drift, error) = (0.0, 0.0, 0.0, 0.0);
-        Self { start, time, work, dissipated, drift, largest, error, flows, undisturbed: true, stages }
+        Self { start, time, work, dissipated, drift, largest, error, flows, undisturbed: true, driven, stages }
     }
 
     /// Integrates powers up to a time within the last step, `state` being scratch: a scene without dampers, loads and motors
@@ -120,21 +161,55 @@ impl Ledger {
         }
         // Compliant stops take power out in bursts: of parts of a step a few stages know it only with either sign.
         let is_steady = self.undisturbed && motion.model().stops.is_empty();
-        if is_steady && self.stages.evaluate(motion, stepper) {
-            let Powers { input, dissipated } = self.stages.integral(stepper, [from, until]);
-            self.work += input;
-            self.dissipated += dissipated;
-            return Ok(());
+        let allowed = MISSED * self.largest;
+        if is_steady && self.stages.evaluate(motion, stepper, &self.driven) {
+            let (powers, missed) = self.stages.integral(stepper, [from, until]);
+            if !(missed > allowed) {
+                self.book(powers);
+                return Ok(());
+            }
         }
         let is_part = length < 0.5 * (stepper.time() - stepper.previous_time());
-        for (node, weight) in if is_part { &PART[..] } else { &WHOLE[..] } {
-            let time = from + node * length;
-            interpolate(motion, stepper, time, state)?;
-            let Powers { input, dissipated } = motion.booked_powers(time, &state.position, &state.velocity);
-            self.work += weight * length * input;
-            self.dissipated += weight * length * dissipated;
+        let (rule, piece) = if is_part { (&PART[..], SHORT_PIECE) } else { (&WHOLE[..], PIECE) };
+        let (powers, waves) = self.along(motion, stepper, state, [from, until], rule)?;
+        let turn = waves.rate * length;
+        if !(turn > piece && waves.height() * length > allowed) {
+            self.book(powers);
+            return Ok(());
+        }
+        let pieces = (turn / PIECE).ceil().min(MOST_PIECES);
+        let end = |k: u32| from + length * f64::from(k) / pieces;
+        for k in 0..pieces as u32 {
+            let (powers, _) = self.along(motion, stepper, state, [end(k), end(k + 1)], &WHOLE)?;
+            self.book(powers);
         }
         Ok(())
+    }
+
+    fn book(&mut self, Powers { input, dissipated }: Powers) {
+        self.work += input;
+        self.dissipated += dissipated;
+    }
+
+    /// What the powers along the interpolant come to by a rule (J), and what they are there.
+    fn along(
+        &self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        state: &mut State,
+        [from, until]: [f64; 2],
+        rule: &[(f64, f64)],
+    ) -> Result<(Powers, Waves), RunError> {
+        let (length, mut sum, mut waves) = (until - from, Powers::default(), Waves::default());
+        for (node, weight) in rule {
+            let time = from + node * length;
+            interpolate(motion, stepper, time, state)?;
+            let powers = motion.booked_powers(time, &state.position, &state.velocity);
+            waves.see(self.driven.rate(&state.velocity), powers);
+            sum.input += weight * length * powers.input;
+            sum.dissipated += weight * length * powers.dissipated;
+        }
+        Ok((sum, waves))
     }
 
     /// Energy that springs of contact hold from the start (J).
@@ -192,34 +267,40 @@ impl Ledger {
 
 impl StagePowers {
     /// Powers at the stages of the last step, unless they are known; false for a method without.
-    fn evaluate(&mut self, motion: &mut Equations, stepper: &dyn Stepper<Equations>) -> bool {
+    fn evaluate(&mut self, motion: &mut Equations, stepper: &dyn Stepper<Equations>, driven: &Driven) -> bool {
         let Some(stages) = stepper.stages() else { return false };
         let step = [stepper.previous_time(), stepper.time()];
         if self.step != step {
             self.step = step;
+            self.waves = Waves::default();
             self.powers.clear();
-            self.powers.extend((0..stages.count()).map(|i| {
+            for i in 0..stages.count() {
                 let (q, v) = stages.state(i);
                 let time = step[0] + stages.node(i) * (step[1] - step[0]);
                 // What jumps where the step ends, as a table does, has not jumped yet.
-                motion.booked_powers(time.min(step[1].next_down()), q, v)
-            }));
+                let powers = motion.booked_powers(time.min(step[1].next_down()), q, v);
+                self.waves.see(driven.rate(v), powers);
+                self.powers.push(powers);
+            }
         }
         true
     }
 
-    /// What they come to between two times within the step (J).
-    fn integral(&self, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> Powers {
-        let mut sum = Powers { input: 0.0, dissipated: 0.0 };
-        let Some(stages) = stepper.stages() else { return sum };
+    /// What they come to between two times within the step (J), and what they may miss of the waves of what is driven (J).
+    fn integral(&self, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> (Powers, f64) {
+        let mut sum = Powers::default();
+        let Some(stages) = stepper.stages() else { return (sum, 0.0) };
         let [begin, end] = self.step;
-        let part = |time: f64| ((time - begin) / (end - begin)).clamp(0.0, 1.0);
+        let length = end - begin;
+        let parts = [from, until].map(|time| ((time - begin) / length).clamp(0.0, 1.0));
+        let weight = |i: usize| stages.weight(i, parts[1]) - stages.weight(i, parts[0]);
         for (i, powers) in self.powers.iter().enumerate() {
-            let weight = (end - begin) * (stages.weight(i, part(until)) - stages.weight(i, part(from)));
-            sum.input += weight * powers.input;
-            sum.dissipated += weight * powers.dissipated;
+            sum.input += length * weight(i) * powers.input;
+            sum.dissipated += length * weight(i) * powers.dissipated;
         }
-        sum
+        let rule = (0..self.powers.len()).map(|i| (stages.node(i), weight(i)));
+        let missed = missed(rule, parts, self.waves.rate * length);
+        (sum, missed * length * self.waves.height())
     }
 }
 
