@@ -114,6 +114,8 @@ pub const REBOUND_BESIDE_LOOPS: RoundOff = RoundOff(32e-14);
 pub const REBOUND_OF_BODIES: RoundOff = RoundOff::units(64.0);
 /// A watched value that is where it was, as part of itself: it has been added up from a few numbers.
 pub const WATCHED: RoundOff = RoundOff::units(4.0);
+/// That beside loops, drives and gears, on which states are settled to [`CLOSED`] only, step after step: what they hold strays by a few of these.
+pub const WATCHED_BESIDE_LOOPS: RoundOff = RoundOff(1e-13);
 /// What a formula gives twice: masses that do not grow, velocities that go on. Functions of the time lose digits in their arguments.
 pub const FORMULA: RoundOff = RoundOff(1e-12);
 

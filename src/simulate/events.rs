@@ -7,13 +7,14 @@
 //!
 //! Laws that are smooth in parts only (ropes, straight tables, formulas that switch) are watched as stops are, see `switching.rs`.
 //!
-//! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
-//! that at the start of the next step makes no second event.
+//! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding (`noise.rs`):
+//! that at the start of the next step makes no second event, nor does a number that loops hold where it is.
 
 mod chatter;
 pub(super) mod dead_centre;
 mod ending;
 mod hidden;
+mod noise;
 mod occurrence;
 pub(super) mod search;
 pub(super) mod switching;
@@ -28,7 +29,6 @@ use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::{Model, StopLaw, StopSide, Watched};
-use crate::round_off::WATCHED;
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Equations;
@@ -37,6 +37,7 @@ use crate::simulate::samples::outputs::StateOutputs;
 use crate::simulate::state::State;
 use chatter::Chatter;
 use hidden::Hidden;
+use noise::Noise;
 use std::sync::Arc;
 use watch::Watch;
 use watched::Jump;
@@ -130,6 +131,7 @@ pub(super) struct Events {
     outputs: Option<StateOutputs>,
     /// `None` if no event watches an expression.
     hidden: Option<Box<Hidden>>,
+    noise: Noise,
     chatter: Chatter,
 }
 
@@ -169,6 +171,7 @@ impl Events {
             reserves: Vec::new(),
             outputs,
             hidden: Hidden::new(model),
+            noise: Noise::new(model),
             chatter: Chatter::default(),
         })
     }
@@ -221,7 +224,7 @@ impl Events {
                 Function::Reserve(_) => 0.0,
                 Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
                 Function::Breakaway(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
-                Function::User(event) => WATCHED.of(model.events[event].value.abs().max(1.0)),
+                Function::User(event) => self.noise(motion, event, time),
                 Function::Contact(aspect) => motion.contacts.as_ref().map_or(0.0, |contacts| contacts.band(aspect)),
                 Function::Law(boundary) => {
                     let switch = motion.switch(time, boundary, &self.state);
@@ -314,6 +317,9 @@ impl Events {
         for index in 0..self.watches.len() {
             let function = self.watches[index].function;
             self.watches[index].next = [self.value(motion, function, time), self.rate(motion, function, time)];
+            if let Function::User(event) = function {
+                self.watches[index].band = self.noise(motion, event, time);
+            }
         }
         Ok(())
     }

@@ -8,11 +8,17 @@
 //!
 //! A stretch in which that holds the value is halved, until the expression rises or falls through it all the way, as its rates at some places
 //! on the cubics say, or nothing is left of it.
+//!
+//! Of two numbers that loops or gears tie to each other (2) knows nothing: `a − 2 b` is anything that the one may be less anything that the other
+//! may. Such an expression stays where it is if it does at both ends and in the middle, to what rounding makes of it (`noise.rs`) and with rates that say so,
+//! and is at some places on the cubics no further off than these are in the middle. All that (2) allows it has to come from what these numbers
+//! change it by one by one, so that nothing is left for a pulse.
 
 use super::Events;
+use super::noise::{Noise, expressions};
 use crate::formula::Formula;
 use crate::integrate::Stepper;
-use crate::model::{Model, Quantity, Watched};
+use crate::model::{Model, Watched};
 use crate::round_off::WATCHED;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Equations;
@@ -25,6 +31,15 @@ const FINEST: f64 = 1e-6;
 const PLACES: u32 = 16;
 /// They lie at multiples of the golden ratio: no wave has the same phase at all of them.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Cubics show what an expression of them does if they are off by no more than this part of what (2) allows it.
+const SHOWN: f64 = 1e-3;
+/// The error of a cubic between two places, with the rates there, beside that in the middle: it is largest there, and of numbers that are not quite
+/// of degree 4 somewhat further on.
+const BESIDE: f64 = 2.0;
+
+/// What (2) allows beyond the sum of what numbers change an expression by one by one, as it bends.
+const BENDS: f64 = 1.05;
 
 /// All outputs at one time within a step; not a number where they, or their rates, are not known.
 #[derive(Debug, Default)]
@@ -42,7 +57,10 @@ pub(super) struct Hidden {
     /// All expressions, those first that others follow from.
     expressions: Vec<(usize, Formula)>,
     left: Seen,
+    middle: Seen,
     right: Seen,
+    /// Those that may cross their values between left and right.
+    suspects: Vec<usize>,
     /// Of the time, and of the numbers of all outputs: ranges, and values and rates at one place.
     ranges: Vec<[f64; 2]>,
     values: Vec<f64>,
@@ -55,25 +73,28 @@ pub(super) struct Hidden {
 impl Hidden {
     /// `None` for a model whose events watch no expression.
     pub(super) fn new(model: &Model) -> Option<Box<Self>> {
-        let mut expressions = Vec::new();
-        for output in &model.outputs {
-            if let Quantity::Expression(expression) = &output.quantity {
-                expressions.push((expression.depth, output.first, expression.formula.clone()));
-            }
-        }
-        expressions.sort_by_key(|(depth, ..)| *depth);
+        let expressions = expressions(model);
         let watched: Vec<(usize, f64)> = model
             .events
             .iter()
             .filter_map(|event| match event.of {
-                Watched::Output(number) if expressions.iter().any(|one| one.1 == number) => Some((number, event.value)),
+                Watched::Output(number) if expressions.iter().any(|one| one.0 == number) => Some((number, event.value)),
                 _ => None,
             })
             .collect();
-        let expressions = expressions.into_iter().map(|(_, number, formula)| (number, formula)).collect();
-        let (ranges, values, rates) = (Vec::new(), Vec::new(), Vec::new());
-        let (left, right) = (Seen { time: f64::NAN, ..Seen::default() }, Seen::default());
-        let new = Self { watched, expressions, left, right, ranges, values, rates, length: f64::INFINITY, looked: 0 };
+        let new = Self {
+            watched,
+            expressions,
+            left: Seen { time: f64::NAN, ..Seen::default() },
+            middle: Seen::default(),
+            right: Seen::default(),
+            suspects: Vec::new(),
+            ranges: Vec::new(),
+            values: Vec::new(),
+            rates: Vec::new(),
+            length: f64::INFINITY,
+            looked: 0,
+        };
         (!new.watched.is_empty()).then(|| Box::new(new))
     }
 
@@ -85,6 +106,7 @@ impl Hidden {
     /// Whether an expression may cross the value of an event between left and right without that being seen at the ends.
     fn hides_any(&mut self) -> bool {
         let Self { expressions, left, right, ranges, .. } = self;
+        self.suspects.clear();
         if left.values.len() != right.values.len() {
             return false;
         }
@@ -100,12 +122,75 @@ impl Hidden {
         for (number, formula) in expressions {
             ranges[*number + 1] = formula.range(ranges);
         }
-        (0..self.watched.len()).any(|index| {
+        for index in 0..self.watched.len() {
             let (number, value) = self.watched[index];
             let [low, high] = self.ranges[number + 1];
             let may = low <= value && value <= high && high - low > WATCHED.of(value.abs().max(1.0));
-            may && !self.passes(number, value)
-        })
+            if may && !self.passes(number, value) {
+                self.suspects.push(index);
+            }
+        }
+        !self.suspects.is_empty()
+    }
+
+    /// Whether all that may cross their values are at both ends where they are, and will be, though what they follow from moves.
+    fn may_stay(&mut self, noise: &mut Noise) -> bool {
+        let suspects = std::mem::take(&mut self.suspects);
+        let may = suspects.iter().all(|index| {
+            let number = self.watched[*index].0;
+            let Self { left, right, ranges, .. } = self;
+            let noise = noise.of_number(number, left.time, &left.values);
+            let [begin, end] = [&*left, &*right].map(|seen| seen.rates[number] * (right.time - left.time));
+            let all = [right.values[number] - left.values[number], begin, end];
+            let [low, high] = ranges[number + 1];
+            all.iter().all(|way| way.abs() <= noise) && high - low <= BENDS * self.one_by_one(number)
+        });
+        self.suspects = suspects;
+        may
+    }
+
+    /// What the numbers that an expression follows from change it by over the stretch, one by one, their sizes added up.
+    fn one_by_one(&mut self, number: usize) -> f64 {
+        let Self { expressions, left, ranges, values, rates, .. } = self;
+        values.clear();
+        values.push(left.time);
+        values.extend_from_slice(&left.values);
+        let mut sum = 0.0;
+        for one in 0..values.len() {
+            let [low, high] = ranges[one];
+            if low == high || expressions.iter().any(|(own, _)| own + 1 == one) {
+                continue;
+            }
+            rates.clear();
+            rates.resize(values.len(), 0.0);
+            rates[one] = high - low;
+            for (own, formula) in expressions.iter() {
+                rates[*own + 1] = formula.variation(values, rates);
+            }
+            sum += rates[number + 1].abs();
+        }
+        sum
+    }
+
+    /// Whether they stay, the middle being known.
+    fn stay(&mut self, noise: &mut Noise) -> bool {
+        let suspects = std::mem::take(&mut self.suspects);
+        let stay = suspects.iter().all(|index| {
+            let number = self.watched[*index].0;
+            let noise = noise.of_number(number, self.left.time, &self.left.values);
+            let (at, [low, high]) = (self.left.values[number], self.ranges[number + 1]);
+            let Some(middle) = self.middle.values.get(number).copied() else { return false };
+            self.interpolate(0.5);
+            let off = (self.values[number + 1] - middle).abs();
+            let shows = (middle - at).abs() <= noise && off <= noise + SHOWN * (high - low);
+            shows
+                && (1..=PLACES).all(|k| {
+                    self.interpolate((f64::from(k) * GOLDEN).fract());
+                    (self.values[number + 1] - at).abs() <= noise + BESIDE * off
+                })
+        });
+        self.suspects = suspects;
+        stay
     }
 
     /// Whether an expression goes through a value once, rising or falling all the way.
@@ -174,7 +259,7 @@ impl Events {
             hidden.looked += 1;
             let middle = left + 0.5 * (until - left);
             let ends = hidden.looked >= MOST || until - left <= finest || !(middle > left && middle < until);
-            if ends || !hidden.hides_any() {
+            if ends || !hidden.hides_any() || self.all_stay(hidden, motion, stepper, middle)? {
                 break;
             }
             until = middle;
@@ -182,6 +267,21 @@ impl Events {
         hidden.length = until - left;
         std::mem::swap(&mut hidden.left, &mut hidden.right);
         Ok(until)
+    }
+
+    /// Whether all that may cross their values between left and right stay where they are.
+    fn all_stay(
+        &mut self,
+        hidden: &mut Hidden,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        middle: f64,
+    ) -> Result<bool, RunError> {
+        if !hidden.may_stay(&mut self.noise) {
+            return Ok(false);
+        }
+        self.see(motion, stepper, middle, &mut hidden.middle)?;
+        Ok(hidden.stay(&mut self.noise))
     }
 
     fn see(

@@ -6,6 +6,7 @@ use super::super::state::State;
 use super::{Events, Function};
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::model::{Model, Quantity, Watched};
+use crate::round_off::WATCHED;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -88,6 +89,23 @@ impl Events {
             Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
             Watched::Output(number) => self.output(motion, time, *number)[1],
         }
+    }
+
+    /// What rounding makes of the number of an event at the state.
+    pub(super) fn noise(&mut self, motion: &mut Equations, event: usize, time: f64) -> f64 {
+        let model = &Arc::clone(motion.model());
+        let noise = match &model.events[event].of {
+            Watched::Position(place) => {
+                let is_distance = model.coordinate_unit(self.velocities[event]) == "m";
+                self.noise.of_place(self.state.position[*place], is_distance)
+            }
+            Watched::Point(end, axis) => self.noise.of_place(motion.point(time, end, &self.state).dot(axis), true),
+            Watched::Output(number) => {
+                let seen = self.outputs.as_mut().and_then(|outputs| outputs.seen(motion, time, &self.state));
+                seen.map_or(0.0, |[values, _]| self.noise.of_number(*number, time, values))
+            }
+        };
+        noise.max(WATCHED.of(model.events[event].value.abs().max(1.0)))
     }
 
     /// What contacts do at the state, and its rate.
