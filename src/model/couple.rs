@@ -68,6 +68,17 @@ pub struct Gear {
     pub offset: f64,
 }
 
+/// What is wrong with a loop between two bodies that move as one.
+const WELDED: &str = "bodies welded together cannot close a loop";
+
+/// Whether a problem is that of a loop whose ends are on one rigid part, which they may be no longer once a hinge has opened; that loop.
+pub(super) fn on_one_part(problem: &Problem) -> Option<usize> {
+    match problem.element {
+        Element::Loop(index) if problem.help.as_deref() == Some(WELDED) => Some(index),
+        _ => None,
+    }
+}
+
 /// Resolves the ends of the loops.
 pub(super) fn loop_places(description: &Description, places: &mut Places<'_>) -> Vec<[Place; 2]> {
     let ends = |(index, closed): (usize, &LoopDescription)| {
@@ -241,7 +252,7 @@ pub(super) fn couple(
         let [(first, first_turn), (second, second_turn)] = [carrier(&places[0]), carrier(&places[1])];
         if first.link == second.link {
             let message = format!("both ends of `{}` are on the same rigid part", closed.name);
-            let help = Some("bodies welded together cannot close a loop".to_owned());
+            let help = Some(WELDED.to_owned());
             problems.push(Problem { element: Element::Loop(index), field: "between".to_owned(), message, help });
         }
         let matrix = |turn: UnitQuaternion<f64>| *turn.to_rotation_matrix().matrix();

@@ -22,6 +22,7 @@ mod drives;
 mod ends;
 mod flying;
 mod input;
+mod latches;
 mod launcher;
 mod together;
 

@@ -65,7 +65,8 @@ pub(super) fn free_rates(pose: &Pose, linear: &Vector3<f64>, angular: &Vector3<f
 
 /// The model with everything that is ever there, for names of columns; the first one if there is none such.
 fn full(whole: &Description, first: &Arc<Model>) -> Arc<Model> {
-    let model = Model::build(&Structure::everything(whole).describe(whole));
+    let built = |structure: Structure| Model::build(&structure.describe(whole));
+    let model = built(Structure::everything(whole)).or_else(|_| built(Structure::everything_but_welds(whole)));
     model.unwrap_or_else(|_| Arc::clone(first))
 }
 
