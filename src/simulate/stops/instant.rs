@@ -16,7 +16,7 @@
 //! **Sequences of impacts that accumulate** (Zeno's) lose the same part of their speed with each impact, and with an inward
 //! acceleration a what is left of them from a speed u on takes 2 e u / (a (1 − e)). When what would come back is no more than
 //! the tolerance of a speed, or would rise by no more than rounding, the coefficient is zero and the coordinate at the limit of
-//! the sequence.
+//! the sequence. Where only dampers end it, rises below the tolerance of a place are none (`fading.rs`).
 //!
 //! **Dry friction** has no part in impacts: its forces are bounded, and an impact takes no time. What an impact sets in motion slides.
 
@@ -63,7 +63,7 @@ pub(in crate::simulate) struct Instant<'a> {
     pub(in crate::simulate) time: f64,
     pub(in crate::simulate) state: &'a mut State,
     /// Absolute tolerance of the run.
-    tolerance: f64,
+    pub(super) tolerance: f64,
     /// Stops that are touched, then dry friction.
     pub(in crate::simulate) rows: Vec<Of>,
     /// `H M⁻¹ Hᵀ` by rows, and its diagonal without loops, drives and gears.
@@ -71,6 +71,8 @@ pub(in crate::simulate) struct Instant<'a> {
     pub(in crate::simulate) free: Vec<f64>,
     /// Accelerations towards the stops, the larger of those as nothing holds and beside what was held, ≥ 0 (m/s², rad/s²).
     inward: Vec<f64>,
+    /// Which part of the energy of what rebounds from each stop dampers take in a second.
+    pub(super) fading: Vec<f64>,
     /// Rows that parted from their stops before the impacts.
     pub(in crate::simulate) parted: Vec<bool>,
     /// The last speed of each coordinate before an impact that left it none (m/s, rad/s).
@@ -155,6 +157,7 @@ impl<'a> Instant<'a> {
             matrix: Vec::new(),
             free: Vec::new(),
             inward: Vec::new(),
+            fading: Vec::new(),
             outcome: Outcome::default(),
         }
     }
@@ -162,7 +165,7 @@ impl<'a> Instant<'a> {
 
 impl Instant<'_> {
     /// The stops that are touched.
-    fn sides(&self) -> impl Iterator<Item = StopSide> {
+    pub(super) fn sides(&self) -> impl Iterator<Item = StopSide> {
         self.rows.iter().filter_map(|row| match row {
             Of::Stop(side) => Some(*side),
             Of::Friction(..) => None,
@@ -184,7 +187,7 @@ impl Instant<'_> {
         let n = self.state.velocity.len();
         let (mut a, mut force, mut change, m) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], self.rows.len());
         let coordinates: Vec<(usize, f64)> = (0..m).map(|row| self.coordinate(row)).collect();
-        let (mut matrix, mut free) = (vec![0.0; m * m], vec![0.0; m]);
+        let (mut matrix, mut free, mut changes) = (vec![0.0; m * m], vec![0.0; m], Vec::with_capacity(m));
         let State { position, velocity } = &*self.state;
         let mut at = self.motion.system.at(self.time, position, velocity);
         let mut mass = at.accelerations(&mut a)?;
@@ -197,9 +200,11 @@ impl Instant<'_> {
                 matrix[row * m + column] = -sign * change[*j];
             }
             force[*i] = 0.0;
+            changes.push(change.clone());
         }
         (self.matrix, self.free, self.inward) = (matrix, free, vec![0.0; m]);
         self.press(&a);
+        self.fade(&changes);
         Ok(())
     }
 
@@ -245,15 +250,16 @@ impl Instant<'_> {
     /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding. A coordinate
     /// that falls from its limit is found beyond it by a rounding of its own, and with the speed of that: less would be given for ever.
     pub(in crate::simulate) fn least(&self, row: usize) -> f64 {
-        let (_, velocities) = self.motion.scales();
-        let model = self.motion.model();
-        let speed = velocities[self.coordinate(row).0];
-        let part = if model.is_constrained() { REBOUND_BESIDE_LOOPS } else { REBOUND };
+        let part = if self.motion.model().is_constrained() { REBOUND_BESIDE_LOOPS } else { REBOUND };
         let Of::Stop(side) = self.rows[row] else { return 0.0 };
         let height = part.of(self.motion.size(side));
-        // At least the scene's own acceleration: what presses may do so later.
-        let inward = self.inward[row].max(0.5 * speed / model.time_scale());
-        self.slow(self.coordinate(row).0).max((2.0 * inward * height).sqrt())
+        self.slow(self.coordinate(row).0).max((2.0 * self.inward(row) * height).sqrt())
+    }
+
+    /// The acceleration towards a stop, at least the scene's own: what presses may do so later.
+    pub(super) fn inward(&self, row: usize) -> f64 {
+        let (_, velocities) = self.motion.scales();
+        self.inward[row].max(0.5 * velocities[self.coordinate(row).0] / self.motion.model().time_scale())
     }
 
     /// A speed that is no more than the tolerance of one.
@@ -261,7 +267,7 @@ impl Instant<'_> {
         self.motion.rest_speed(velocity, self.tolerance)
     }
 
-    fn restitution(&self, row: usize) -> f64 {
+    pub(super) fn restitution(&self, row: usize) -> f64 {
         let Of::Stop(side) = self.rows[row] else { return 0.0 };
         self.motion.model().stops[side.stop].law.restitution()
     }
@@ -283,9 +289,10 @@ impl Instant<'_> {
                 break;
             }
             let rows: Vec<usize> = (0..m).filter(|row| last || before[*row] <= noise[*row]).collect();
-            let returned = |row: usize| match self.restitution(row) * before[row].abs() > self.least(row) {
-                true if !last && approaches(row) => self.restitution(row),
-                _ => 0.0,
+            let returned = |row: usize| {
+                let back = self.restitution(row) * before[row].abs();
+                let returns = back > self.least(row) && !self.fades(row, back);
+                if returns && !last && approaches(row) { self.restitution(row) } else { 0.0 }
             };
             let factors: Vec<f64> = rows.iter().map(|row| returned(*row)).collect();
             let rates: Vec<f64> = rows.iter().zip(&factors).map(|(row, e)| (1.0 + e) * before[*row]).collect();

@@ -103,3 +103,28 @@ fn late_impacts_are_as_exact_as_early_ones() {
         assert!((last.time - expected).abs() < 1e-7, "{method}: {} s, not {expected} s", last.time);
     }
 }
+
+/// A ball that gets all of its speed back, on a hinge with a damper and on one without: that one rises for ever to where it was let go; the other fades
+/// as `exp(−2/3 c/m t)`, and is at rest once it rises by less than the tolerance, a few hundred impacts later.
+#[test]
+fn what_only_a_damper_ends_comes_to_rest() {
+    for (method, height) in [("dop853", 0.1), ("radau9", 0.02), ("dopri5", 0.05)] {
+        for damping in [0.0, 1.0, 5.0] {
+            let (summary, _) = run(&format!(
+                "[simulate]\nstart = \"given\"\nduration = 3.0\nintegrator = \"{method}\"\n[[body]]\nname = \"ball\"\nmass = 0.1\nhinge = {{ \
+                 type = \"prismatic\", axis = [0, 0, 1], position = {height}, damping = {damping}, limits = {{ low = 0.0, restitution = 1.0 }} }}\n"
+            ));
+            let (impacts, at) = (of(&summary, "ball").len(), summary.state.position[0]);
+            if damping == 0.0 {
+                let fall = (2.0 * height / 9.80665_f64).sqrt();
+                assert_eq!(impacts, ((3.0 / fall + 1.0) / 2.0) as usize, "{method}");
+                continue;
+            }
+            assert!(
+                impacts < 5000 && at == 0.0 && summary.state.velocity[0] == 0.0,
+                "{method}: {impacts} impacts, at {at:e}"
+            );
+            assert!((summary.dissipated / summary.energy_start - 1.0).abs() < 1e-6, "{method}: {}", summary.dissipated);
+        }
+    }
+}
