@@ -53,7 +53,7 @@ pub(super) fn write(
         let from = element.child("axis").and_then(|axis| axis.attribute("xyz"));
         hinge.numbers("axis", axis.as_slice(), from.map(|xyz| xyz.place()));
     }
-    effort(element, kind, &name, draft);
+    effort(element, kind, body, draft, &name);
     limits(element, kind, options, &mut hinge);
     dynamics(element, kind, options, &mut hinge);
     body.inline("hinge", hinge);
@@ -163,8 +163,9 @@ fn tilted(
     name
 }
 
-/// `effort`, the limit of every motor that a scenario puts into the hinge.
-fn effort(joint: &Element<'_>, kind: &str, body: &str, draft: &mut Draft) {
+/// `effort`, the limit of every motor that a scenario with this model puts into the hinge. A scenario that goes on from the text has it as a
+/// comment: no key of a hinge stands for it.
+fn effort(joint: &Element<'_>, kind: &str, body: &mut Entry, draft: &mut Draft, name: &str) {
     let Some((limit, effort)) = joint.child("limit").and_then(|it| Some((it, it.attribute("effort")?))) else { return };
     let Some(most) = effort.number() else { return };
     if most < 0.0 {
@@ -174,8 +175,10 @@ fn effort(joint: &Element<'_>, kind: &str, body: &str, draft: &mut Draft) {
     } else if most == 0.0 {
         limit.note(Taken::Ignored, "`effort = 0`: a motor without a `limit` of its own has none");
     } else {
-        draft.efforts.push((body.to_owned(), format!("{most:?}")));
-        let what = "no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own";
+        draft.efforts.push((name.to_owned(), format!("{most:?}")));
+        body.comment(&format!("its effort: write `limit = {most:?}` into every [[motor]] in it"));
+        let what = "no motor acts in it; of a scenario with this file as its `model` it is the `limit` of every [[motor]] in it that has none of \
+                    its own; converted it is a comment, and limits nothing";
         limit.note(Taken::Used, format!("`effort = {most}`: {what}"));
     }
 }

@@ -61,6 +61,7 @@ fn a_robot_reads_like_a_scenario() {
     hinge = { type = "fixed", at = [0.0, 0.0, 1.0] }
 
     # joint `shoulder`, revolute
+    # its effort: write `limit = 10.0` into every [[motor]] in it
     [[body]]
     name = "left/upper"
     hinge = { type = "revolute", parent = "left/base", at = [0.0, 0.0, 2.0], rpy = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], limits = [-1.0, 0.1], damping = 0.3, friction = 0.1 }
@@ -82,7 +83,7 @@ fn a_robot_reads_like_a_scenario() {
     ]
     "###);
     insta::assert_snapshot!(notes(&imported), @r###"
-    4: used: <limit> of joint `shoulder`: `effort = 10`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
+    4: used: <limit> of joint `shoulder`: `effort = 10`: no motor acts in it; of a scenario with this file as its `model` it is the `limit` of every [[motor]] in it that has none of its own; converted it is a comment, and limits nothing
     4: ignored: <limit> of joint `shoulder`: `velocity = 3`: hinges have no largest speed
     6: used: <limit> of joint `slide`: 0 is beyond them: the joint starts at 0.2
     "###);
@@ -157,7 +158,7 @@ fn what_is_not_taken_is_listed_line_by_line() {
     4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
     5: ignored: sensor `eye`: sensors are not imported: describe what they measure with `[[output]]`
     6: ignored: <safety_controller> of joint `turn`: controllers are not imported: describe them with `[[controller]]`
-    6: used: <limit> of joint `turn`: `effort = 2`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
+    6: used: <limit> of joint `turn`: `effort = 2`: no motor acts in it; of a scenario with this file as its `model` it is the `limit` of every [[motor]] in it that has none of its own; converted it is a comment, and limits nothing
     6: ignored: <limit> of joint `turn`: a continuous joint has no `lower` and `upper`
     7: ignored: transmission `motor`: actuators and their gears are not imported: describe them with `[[motor]]` and `[[gear]]`
     8: ignored: <gazebo>: meant for Gazebo
