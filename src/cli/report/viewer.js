@@ -283,6 +283,11 @@
     return { view: name, azimuth, elevation, zoom: 1, shift: [0, 0] };
   };
   const state = { ...opened(look.opens), clip: 0, time: 0, playing: false };
+  // Metres in a pixel: all that the view frames is in the canvas, with a margin at each side.
+  const metres = () => {
+    const { framed: [across, up], margin } = look.views[state.view];
+    return Math.max(across / canvas.clientWidth, up / canvas.clientHeight, 1e-9) / (1 - 2 * margin) / state.zoom;
+  };
   const draw = () => {
     const view = look.views[state.view], floor = floors[state.view];
     const sharp = window.devicePixelRatio || 1;
@@ -293,8 +298,8 @@
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const [ca, sa, ce, se] = [Math.cos(state.azimuth), Math.sin(state.azimuth), Math.cos(state.elevation), Math.sin(state.elevation)];
     const [right, up, back] = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
-    const half = (0.46 * view.extent) / state.zoom;
-    const [sx, sy, sz] = [1 / half * Math.min(1, height / width), 1 / half * Math.min(1, width / height), -1 / depth];
+    const scale = 2 / metres();
+    const [sx, sy, sz] = [scale / width, scale / height, -1 / depth];
     const offset = (axis) => -(axis[0] * view.center[0] + axis[1] * view.center[1] + axis[2] * view.center[2]);
     const eye = [
       sx * right[0], sy * up[0], sz * back[0], 0, sx * right[1], sy * up[1], sz * back[1], 0,
@@ -385,8 +390,7 @@
   canvas.onpointermove = (event) => {
     if (!event.buttons) return;
     if (event.shiftKey || event.buttons !== 1) {
-      const metres = (0.92 * look.views[state.view].extent) / state.zoom / Math.min(canvas.clientWidth, canvas.clientHeight);
-      state.shift = [state.shift[0] + metres * event.movementX, state.shift[1] - metres * event.movementY];
+      state.shift = [state.shift[0] + metres() * event.movementX, state.shift[1] - metres() * event.movementY];
     } else {
       state.azimuth -= 0.008 * event.movementX;
       state.elevation = Math.min(Math.max(state.elevation + 0.008 * event.movementY, -1.5), 1.5);

@@ -70,6 +70,8 @@ pub struct Frame {
     pub(super) back: Vector3<f64>,
     /// Middle of the picture, in axes of the eye (m).
     middle: [f64; 2],
+    /// Width and height of what is framed (m).
+    extent: [f64; 2],
     /// Pixels in a metre.
     pub(super) scale: f64,
     /// Width and height (pixels).
@@ -107,7 +109,8 @@ impl Frame {
         let ground = Ground::under(&bounds);
         let floor = drawing.has_ground().then(|| floor(&bounds, ground.spacing));
         let origin = bounds.center();
-        let mut frame = Self { origin, right, up, back, middle: [0.0; 2], scale: 1.0, size, ground, floor };
+        let mut frame =
+            Self { origin, right, up, back, middle: [0.0; 2], extent: [0.0; 2], scale: 1.0, size, ground, floor };
         let mut seen = Bounds::default();
         for ([i, j], floor) in [[0, 0], [0, 1], [1, 0], [1, 1]].into_iter().zip(floor.iter().cycle()) {
             let corner = Vector3::new(floor[i][0], floor[j][1], ground.floor);
@@ -119,19 +122,22 @@ impl Frame {
         let (center, extent) = (seen.center(), seen.size());
         let room = [0, 1].map(|k| f64::from(size[k]) * (1.0 - 2.0 * MARGIN) - if k == 1 { FOOT } else { 0.0 });
         frame.middle = [center.x, center.y];
+        frame.extent = [extent.x, extent.y];
         frame.scale = (room[0].max(1.0) / extent.x.max(1e-9)).min(room[1].max(1.0) / extent.y.max(1e-9));
         frame
     }
 
-    /// What a viewer that moves needs: azimuth and elevation (rad), centre and extent of all poses (m), the floor or null.
+    /// What a viewer that moves needs: azimuth and elevation (rad), the middle of the picture (m), width and height of what is framed (m), the
+    /// length of the room that all poses take (m), the floor or null.
     pub fn look(&self, drawing: &Drawing, poses: &[&[Pose]]) -> serde_json::Value {
-        let bounds = drawing.room(poses);
-        let center = bounds.center();
+        let middle = self.origin + self.middle[0] * self.right + self.middle[1] * self.up;
         serde_json::json!({
             "azimuth": self.back.y.atan2(self.back.x),
             "elevation": self.back.z.clamp(-1.0, 1.0).asin(),
-            "center": [center.x, center.y, center.z],
-            "extent": bounds.size().norm(),
+            "center": [middle.x, middle.y, middle.z],
+            "framed": self.extent,
+            "margin": MARGIN,
+            "extent": drawing.length(poses),
             "floor": self.floor,
             "height": self.ground.floor,
             "spacing": self.ground.spacing,

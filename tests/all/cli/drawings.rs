@@ -214,6 +214,45 @@ fn a_report_opens_on_the_start_of_a_flight_and_on_all_of_a_swing() {
     }
 }
 
+/// What the page shows of a slender column, of which most is height, as its own script projects it.
+#[test]
+fn the_whole_of_a_column_is_in_the_picture_of_a_report() {
+    let column = "shape = { box = [0.1, 0.1, 4.0] }\nhinge = { type = \"fixed\" }";
+    let bench = recorded(&scene(column, ""));
+    bench.call(&["report", "run.mcap", "-o", "a.html"]).code(0);
+    let page = std::fs::read_to_string(bench.path().join("a.html")).expect("a page");
+    let look = page.split("id=\"look\">").nth(1).and_then(|rest| rest.split("</script>").next()).expect("a look");
+    let look: serde_json::Value = serde_json::from_str(look).expect("JSON");
+    let view = &look["views"]["all"];
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let [azimuth, elevation] = ["azimuth", "elevation"].map(|key| number(&view[key]));
+    let right = [-azimuth.sin(), azimuth.cos(), 0.0];
+    let up = [-elevation.sin() * azimuth.cos(), -elevation.sin() * azimuth.sin(), elevation.cos()];
+    for corner in [[-0.05, -0.05], [-0.05, 0.05], [0.05, -0.05], [0.05, 0.05]] {
+        for height in [-2.0, 2.0] {
+            let corner = [corner[0], corner[1], height];
+            for (axis, framed) in [right, up].iter().zip(view["framed"].as_array().expect("width and height")) {
+                let along = |k: usize| axis[k] * (corner[k] - number(&view["center"][k]));
+                let away = (0..3).map(along).sum::<f64>().abs();
+                // Triangles are kept in single precision.
+                assert!(away <= 0.5 * number(framed) + 1e-6, "{corner:?} is {away} m off, of {framed} m");
+            }
+        }
+    }
+}
+
+/// Green is what stands and was not stopped.
+#[test]
+fn reports_of_what_does_not_stand_are_not_green() {
+    let bench = Bench::new();
+    for (scene, class) in [("pendulum", "fine"), ("pencil", "wrong")] {
+        let answer = bench.call(&["report", &shipped(scene), "--statics", "-o", "a.html", "--json"]).code(0).json();
+        assert_eq!(answer["fine"], class == "fine", "{answer}");
+        let page = std::fs::read_to_string(bench.path().join("a.html")).expect("a page");
+        assert!(page.contains(&format!("class=\"verdict {class}\"")), "{scene}");
+    }
+}
+
 #[test]
 fn a_report_has_units_and_no_round_off() {
     let bench = Bench::new();
