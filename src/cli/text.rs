@@ -76,7 +76,7 @@ fn found_by(model: &Model, found: &Equilibrium, wall: Duration) -> String {
         (Some(stability), true) => {
             let if_so = stability.supposes.map_or(String::new(), |what| format!(" if {what}"));
             let text = format!("{} equilibrium{if_so}", stability.verdict.name());
-            (text, stability.verdict != StabilityVerdict::Unstable)
+            (text, is_fine(found.converged, Some(stability.verdict.name())))
         }
         _ if found.stage == "given" => ("the pose does not stand".to_owned(), false),
         _ => ("no equilibrium found".to_owned(), false),
@@ -95,6 +95,12 @@ fn found_by(model: &Model, found: &Equilibrium, wall: Duration) -> String {
         stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
     format!("{} ({stage}, {})", verdict(&text, fine), duration(wall))
+}
+
+/// Whether an equilibrium is one that was hoped for: of the kind that was asked for, and no small displacement grows from it. `stability` is
+/// the name of its verdict.
+pub(super) fn is_fine(converged: bool, stability: Option<&str>) -> bool {
+    converged && stability != Some(StabilityVerdict::Unstable.name())
 }
 
 /// Whether the guess is beyond rigid limits: statics moves it to them.

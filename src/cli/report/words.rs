@@ -1,13 +1,13 @@
 //! The verdict, in words.
 
-use super::super::text::{count, number, small};
+use super::super::text::{count, is_fine, number, small};
 use super::material::Material;
 use serde_json::Value;
 
 /// What a report says first.
 pub(in crate::cli) struct Headline {
     pub(in crate::cli) text: String,
-    /// Whether it is what was asked for.
+    /// Whether it is what was hoped for.
     pub(in crate::cli) fine: bool,
 }
 
@@ -22,11 +22,18 @@ pub(in crate::cli) fn verdict(material: &Material) -> Headline {
         (_, Some(kind)) => format!("{} equilibrium", capital(kind)),
         (_, None) => "Equilibrium".to_owned(),
     };
-    if let Some(end) = outcome["end_time"].as_f64() {
-        let state = if outcome["interrupted"] == true { "stopped at" } else { "simulated" };
-        text += &format!("; {state} {} s", number(end));
+    let was_stopped = outcome["interrupted"] == true;
+    match (outcome["end_time"].as_f64(), material.samples.last()) {
+        (Some(end), _) => {
+            let state = if was_stopped { "stopped at" } else { "simulated" };
+            text += &format!("; {state} {} s", number(end));
+        }
+        (None, Some(last)) => text += &format!("; the recording breaks off at {} s", number(last.time)),
+        (None, None) => {}
     }
-    Headline { text, fine: statics.is_null() || statics["converged"] == true }
+    let is_whole = !was_stopped && (outcome.is_object() || material.samples.is_empty());
+    let stands = statics.is_null() || is_fine(statics["converged"] == true, statics["stability"].as_str());
+    Headline { text, fine: is_whole && stands }
 }
 
 fn capital(word: &str) -> String {
