@@ -1,5 +1,7 @@
 //! `video`: a recording as a film, without a window.
 
+mod colors;
+
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::picture::{self, Looks};
@@ -10,6 +12,7 @@ use crate::record::picture::{Frame, Painter, Pixels, svg};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, bail};
 use clap::Args;
+use colors::Indexed;
 use gif::{Encoder, Repeat};
 use serde_json::json;
 use std::fs::File;
@@ -206,8 +209,8 @@ impl Gif {
 impl Reel for Gif {
     fn add(&mut self, pixels: &Pixels) -> anyhow::Result<()> {
         let [width, height] = pixels.size().map(|edge| edge as u16);
-        // 10: a palette of good quality in a tenth of the time of the best.
-        let mut frame = gif::Frame::from_rgba_speed(width, height, &mut pixels.rgba(), 10);
+        let Indexed { palette, points } = colors::indexed(&pixels.rgba());
+        let mut frame = gif::Frame::from_palette_pixels(width, height, points, palette, None);
         frame.delay = self.delay;
         self.encoder.write_frame(&frame).with_context(|| format!("cannot write `{}`", self.target.display()))
     }
