@@ -172,6 +172,12 @@ pub(super) fn logarithmic<'a>(
     over(root, theme, across, up, names.map(|name| (name, &Decades::tick as _)))
 }
 
+/// Room for the longest number at an upright axis and for what it is called; none without a name.
+pub(super) fn beside<Y: Ranged<ValueType = f64>>(y: &Y, (name, number): Axis<'_>) -> u32 {
+    let longest = y.key_points(BoldPoints(NUMBERS)).iter().map(|at| number(at).chars().count()).max().unwrap_or(0);
+    if name.is_empty() { 0 } else { px(86).max(px(LETTER * longest as u32 + 30)) }
+}
+
 /// Axes of any kind. One without a name has no numbers, and needs no room for them.
 ///
 /// # Errors
@@ -188,10 +194,8 @@ where
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     let mut builder = ChartBuilder::on(root);
-    // Room for the longest number at the axis and for what it is called.
-    let longest = y.key_points(BoldPoints(NUMBERS)).iter().map(|at| axes[1].1(at).chars().count()).max().unwrap_or(0);
-    let beside = if axes[1].0.is_empty() { 0 } else { px(86).max(px(LETTER * longest as u32 + 30)) };
-    builder.margin(px(12)).x_label_area_size(px(46)).y_label_area_size(beside);
+    let below = if axes[0].0.is_empty() { 0 } else { px(46) };
+    builder.margin(px(12)).x_label_area_size(below).y_label_area_size(beside(&y, axes[1]));
     let mut chart = builder.build_cartesian_2d(x, y)?;
     grid(&mut chart, theme, axes)?;
     Ok(chart)

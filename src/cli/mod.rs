@@ -37,6 +37,7 @@ mod run;
 mod samples;
 mod scene;
 mod sensitivity;
+mod sizes;
 mod standing;
 mod statics;
 mod stopwatch;

@@ -62,9 +62,9 @@ impl Theme {
         COLORS.into_iter().cycle().map(move |color| self.shown(color))
     }
 
-    /// The colour of a line among many.
-    pub(super) fn color(self, line: usize) -> RGBColor {
-        self.shown(COLORS[line % COLORS.len()])
+    /// The colour of a line among many, and how many lines before it have that colour.
+    pub(super) fn color(self, line: usize) -> (RGBColor, usize) {
+        (self.shown(COLORS[line % COLORS.len()]), line / COLORS.len())
     }
 }
 

@@ -6,6 +6,7 @@ use super::inputs::Inputs;
 use super::number::count;
 use super::palette::Theme;
 use super::samples::{self, Place, Rows};
+use super::sizes::{Sizes, Still};
 use super::{Exit, output, pixels};
 use crate::record::{Recording, Table};
 use anyhow::{Context, bail};
@@ -87,7 +88,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let across = draw::with_unit(&across.name, &across.unit);
     inputs.spare(&out)?;
     let encode = pixels::by_name(&out)?;
-    let picture = draw::draw(&lines, if title.is_empty() { first } else { title }, &across, arguments.theme)?;
+    let (title, sizes) = (if title.is_empty() { first } else { title }, Sizes::of(&recordings[0].scene));
+    let plot = draw::Plot { lines: &lines, title, across: &across, sizes, theme: arguments.theme };
+    let picture = draw::draw(&plot)?;
     output::save(&out, &encode(picture)?)?;
     if arguments.json {
         let line = |line: &Line| json!({ "label": line.label, "unit": line.unit, "points": line.points.len() });
@@ -150,7 +153,9 @@ fn read(
     places.extend(x.clone());
     let mut rows = Rows::new(&tables, &places);
     let mut row = Vec::new();
+    let mut still = Still::new(Sizes::of(&recording.scene));
     samples::each(recording, |sample| {
+        still.see(sample);
         row.clear();
         row.extend(rows.read(sample));
         let across = if x.is_some() { row.pop() } else { None }.unwrap_or(sample.time);
@@ -159,5 +164,11 @@ fn read(
         }
         Ok(())
     })?;
+    if still.lasts() {
+        let is_rate = |line: &&mut Line| matches!(line.unit.as_str(), "m/s" | "rad/s" | "m/s²" | "rad/s²");
+        let of_hinges = lines.iter_mut().zip(&places).filter(|(_, place)| tables[place.table].name == "hinges");
+        let rates = of_hinges.map(|(line, _)| line).filter(is_rate);
+        rates.flat_map(|line| &mut line.points).for_each(|(_, rate)| *rate = 0.0);
+    }
     Ok(lines)
 }

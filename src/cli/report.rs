@@ -3,7 +3,6 @@
 mod curves;
 pub(super) mod material;
 mod page;
-mod sizes;
 mod tables;
 pub(super) mod words;
 

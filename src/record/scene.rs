@@ -259,6 +259,14 @@ impl Scene {
         }
     }
 
+    /// The size of its forces and moments: its weight, or the moment of that, or its largest load (N, N m); zero of scenes without either,
+    /// and of recordings that do not say how large they are.
+    #[cfg(feature = "record")]
+    pub fn force_size(&self) -> f64 {
+        let [force, torque] = self.largest_loads();
+        self.extent.map_or(0.0, |extent| extent.weight.max(force * extent.length.max(1.0)).max(torque))
+    }
+
     /// The largest force and torque of all loads at any time (N, N m).
     #[cfg(feature = "record")]
     pub(super) fn largest_loads(&self) -> [f64; 2] {

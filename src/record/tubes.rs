@@ -6,6 +6,7 @@ use super::Scene;
 use super::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::element::section::Section;
 use crate::element::{Rod, RodSection};
+use crate::round_off::SHOWN;
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Isometry3, Matrix6, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
 
@@ -20,6 +21,8 @@ pub struct Tubes {
     pub(super) beams: Vec<Tube>,
     /// How many bodies there are before the cross sections.
     bodies: usize,
+    /// The size of the scene's forces and moments (N, N m).
+    force: f64,
 }
 
 /// One beam.
@@ -48,7 +51,7 @@ struct Element {
 impl Tubes {
     /// Of a scene. A beam whose coordinates are not among the positions is left out.
     pub fn new(scene: &Scene) -> Self {
-        let mut tubes = Self { beams: Vec::new(), bodies: scene.bodies.len() };
+        let mut tubes = Self { beams: Vec::new(), bodies: scene.bodies.len(), force: scene.force_size() };
         let mut first = tubes.bodies;
         for beam in &scene.beams {
             let Some(tube) = Tube::new(scene, beam, first) else { continue };
@@ -94,7 +97,7 @@ impl Tubes {
     }
 
     /// What the cross sections bear, in the order of their poses: the largest stress (Pa), or the moment (N m) if a section has no
-    /// size. Forces are those that the elements' tips pass on, and linear between these.
+    /// size. Forces are those that the elements' tips pass on, and linear between these; what is round-off of the forces of the scene is zero.
     pub fn loads(&self, poses: &[Pose], reactions: &[Wrench]) -> Vec<f64> {
         let by_stress = self.show_stress();
         let mut loads = Vec::new();
@@ -110,6 +113,7 @@ impl Tubes {
             let mut before = at(tube.begin);
             let mut sections = tube.sections.iter();
             let mut take = |forces: Vector6<f64>| {
+                let forces = self.without_noise(forces);
                 let stress = sections.next().and_then(|section| section.stress(&forces)).filter(|_| by_stress);
                 loads.push(stress.map_or(forces.fixed_rows::<3>(3).norm(), |stress| stress.von_mises));
             };
@@ -124,6 +128,16 @@ impl Tubes {
             }
         }
         loads
+    }
+
+    /// Forces and moments (N, N m), zero for those that are round-off of the scene's.
+    fn without_noise(&self, mut forces: Vector6<f64>) -> Vector6<f64> {
+        for first in [0, 3] {
+            if SHOWN.hides(forces.fixed_rows::<3>(first).norm(), self.force) {
+                forces.fixed_rows_mut::<3>(first).fill(0.0);
+            }
+        }
+        forces
     }
 }
 

@@ -186,9 +186,9 @@ fn draw(area: &Area<'_>, (what, unit, _): Panel, curves: &[Curve], theme: Theme)
     chart.draw_series(LineSeries::new([(across.0, 0.0), (across.1, 0.0)], theme.ink().mix(0.5).stroke_width(px(1))))?;
     let mut has_dots = false;
     for (index, curve) in curves.iter().enumerate() {
-        let style = theme.color(index).stroke_width(px(17) / 10);
+        let style = theme.color(index).0.stroke_width(px(17) / 10);
         chart.draw_series(LineSeries::new(curve.line.iter().copied(), style))?;
-        let dot = |at: &(f64, f64)| Circle::new(*at, frame::at(3), theme.color(index).filled());
+        let dot = |at: &(f64, f64)| Circle::new(*at, frame::at(3), theme.color(index).0.filled());
         chart.draw_series(curve.dots.iter().map(dot))?;
         has_dots |= !curve.dots.is_empty();
         legend.line(curve.name, style, None)?;

@@ -2,7 +2,10 @@
 
 use super::super::frame::{self, Area, CAPTION, Legend, ROW, px};
 use super::super::palette::{Theme, range, tick};
+use super::super::sizes::Sizes;
 use super::Line;
+use crate::round_off::SHOWN;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// Width, and height of a panel (pixels).
@@ -12,12 +15,38 @@ const PANEL: u32 = 300;
 const STRAIGHT: f64 = 0.12;
 /// Longer series are thinned: so many stretches of time, and of each its lowest and its highest point.
 const STRETCHES: usize = 1000;
+/// What lines of one colour are told from each other by: the length and the gap of dashes (pixels).
+const DASHES: [Option<(i32, i32)>; 6] = [None, Some((9, 6)), Some((3, 5)), Some((18, 5)), Some((9, 14)), Some((2, 10))];
 
-/// As SVG; `across` is what the axis along x is called.
+/// What is drawn.
+pub(in crate::cli) struct Plot<'p> {
+    pub(in crate::cli) lines: &'p [Line],
+    pub(in crate::cli) title: &'p str,
+    /// What the axis along x is called.
+    pub(in crate::cli) across: &'p str,
+    /// What is round-off of the scene is drawn as zero.
+    pub(in crate::cli) sizes: Sizes,
+    pub(in crate::cli) theme: Theme,
+}
+
+/// The curves of one unit, over the axes that they are drawn on.
+struct Panel<'p> {
+    lines: Vec<&'p Line>,
+    unit: &'p str,
+    times: (f64, f64),
+    values: (f64, f64),
+    /// All is round-off, and drawn as zero.
+    is_noise: bool,
+    /// How many recordings there are.
+    files: usize,
+}
+
+/// As SVG, the panels below each other over one axis along x.
 ///
 /// # Errors
 /// If the drawing library fails.
-pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str, theme: Theme) -> anyhow::Result<String> {
+pub(in crate::cli) fn draw(plot: &Plot<'_>) -> anyhow::Result<String> {
+    let Plot { lines, title, across, sizes, theme } = *plot;
     let mut units: Vec<&str> = Vec::new();
     for line in lines {
         if !units.contains(&line.unit.as_str()) {
@@ -25,17 +54,32 @@ pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str, theme: The
         }
     }
     let times = span(lines.iter().flat_map(finite).map(|(time, _)| time));
-    let of_unit = |unit: &str| lines.iter().filter(|line| line.unit == unit).collect::<Vec<_>>();
-    let heights: Vec<u32> = units.iter().map(|unit| PANEL.max(60 + ROW * of_unit(unit).len() as u32)).collect();
+    let files = lines.iter().map(|line| line.file + 1).max().unwrap_or(1);
+    let of_unit = |unit| {
+        let lines: Vec<&Line> = lines.iter().filter(|line| line.unit == unit).collect();
+        let values = || lines.iter().flat_map(|line| finite(line)).map(|(_, value)| value);
+        let size = sizes.of_unit(unit);
+        let is_noise = size > 0.0 && values().all(|value| SHOWN.hides(value, size));
+        let ends = if is_noise { (-size, size) } else { range(values()) };
+        let ends = if ends.0.is_finite() && ends.1.is_finite() { ends } else { (0.0, 1.0) };
+        Panel { unit, times, values: ends, is_noise, files, lines }
+    };
+    let panels: Vec<Panel<'_>> = units.into_iter().map(of_unit).collect();
+    let heights: Vec<u32> = panels.iter().map(|panel| PANEL.max(60 + ROW * panel.lines.len() as u32)).collect();
+    // All curves begin at the left edge of those with the longest numbers.
+    let beside: Vec<u32> = panels.iter().map(Panel::beside).collect();
+    let most = beside.iter().copied().max().unwrap_or(0);
     let names: Vec<String> = lines.iter().map(|line| with_unit(&line.label, &line.unit)).collect();
     let legend = frame::legend_width(names.iter().map(String::as_str));
     frame::svg((WIDTH, CAPTION + heights.iter().sum::<u32>()), theme, |root| {
         let mut rest = frame::titled(root, theme, title)?;
-        for (unit, height) in units.iter().zip(heights) {
-            let (area, below) = rest.split_vertically(px(height));
+        for (index, (panel, height)) in panels.iter().zip(&heights).enumerate() {
+            let (area, below) = rest.split_vertically(px(*height));
             rest = below;
             let (curves, mut names) = frame::with_legend(&area, theme, legend);
-            panel(&curves, &mut names, &of_unit(unit), (across, unit), times, theme)?;
+            let curves = curves.margin(0, 0, most - beside[index], 0);
+            let across = if index + 1 == panels.len() { across } else { "" };
+            panel.draw(&curves, &mut names, across, theme)?;
         }
         Ok(())
     })
@@ -55,9 +99,16 @@ fn quantity(lines: &[&Line], unit: &str) -> String {
         (_, "N m") => "moment",
         (_, "J") => "energy",
         (_, "W") => "power",
+        (_, "1") if lines.iter().all(|line| is_of_quaternion(&line.label)) => "quaternion",
         _ => "value",
     };
     with_unit(name, unit)
+}
+
+/// Whether a column is a number of a quaternion: `body.qw`, `body.quaternion.w`.
+fn is_of_quaternion(label: &str) -> bool {
+    let last = label.rsplit('.').next().unwrap_or_default();
+    matches!(last, "qw" | "qx" | "qy" | "qz") || label.contains(".quaternion.")
 }
 
 /// `angle (rad)`; numbers without a unit have none.
@@ -65,39 +116,46 @@ pub(in crate::cli) fn with_unit(name: &str, unit: &str) -> String {
     if matches!(unit, "" | "1") { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
-/// The curves of one unit, and their names beside them.
-fn panel(
-    area: &Area<'_>,
-    legend: &mut Legend<'_>,
-    lines: &[&Line],
-    (across, unit): (&str, &str),
-    times: (f64, f64),
-    theme: Theme,
-) -> anyhow::Result<()> {
-    let values = range(lines.iter().flat_map(|line| finite(line)).map(|(_, value)| value));
-    let values = if values.0.is_finite() && values.1.is_finite() { values } else { (0.0, 1.0) };
-    let up = quantity(lines, unit);
-    let axes: [frame::Axis<'_>; 2] = [(across, &|x| tick(*x, times)), (&up, &|y| tick(*y, values))];
-    let mut chart = frame::linear(area, theme, (times, values), axes)?;
-    for line in lines {
-        // Every recording after the first is nearer to the ink and has dashes of its own, so that curves that coincide are both seen.
-        let (color, ink) = (theme.color(line.color), theme.ink());
-        let [red, green, blue] = [(color.0, ink.0), (color.1, ink.1), (color.2, ink.2)]
-            .map(|(a, b)| if line.file > 0 { a / 2 + b / 2 } else { a });
-        let style = RGBColor(red, green, blue).stroke_width(px(17) / 10);
-        let scale = [f64::from(WIDTH) / (times.1 - times.0), f64::from(PANEL) / (values.1 - values.0)];
-        let points = straightened(thinned(finite(line)), scale);
-        let dashes = [None, Some((9, 6)), Some((3, 5))][line.file.min(2)];
-        match dashes {
-            None => chart.draw_series(LineSeries::new(points, style))?,
-            Some((dash, gap)) => {
-                chart.draw_series(DashedLineSeries::new(points, frame::at(dash), frame::at(gap), style))?
-            }
-        };
-        legend.line(&with_unit(&line.label, unit), style, dashes)?;
-    }
-    Ok(())
+/// The dashes of a line of one of so many recordings, with so many lines of its colour before it.
+fn dashes(file: usize, files: usize, round: usize) -> Option<(i32, i32)> {
+    DASHES[(file + files * round) % DASHES.len()]
 }
+
+impl Panel<'_> {
+    /// Room for the numbers at its upright axis.
+    fn beside(&self) -> u32 {
+        let up = RangedCoordf64::from(self.values.0..self.values.1);
+        frame::beside(&up, (&quantity(&self.lines, self.unit), &|y| tick(*y, self.values)))
+    }
+
+    /// Draws the curves, and their names beside them.
+    fn draw(&self, area: &Area<'_>, legend: &mut Legend<'_>, across: &str, theme: Theme) -> anyhow::Result<()> {
+        let Self { unit, times, values, .. } = *self;
+        let up = quantity(&self.lines, unit);
+        let axes: [frame::Axis<'_>; 2] = [(across, &|x| tick(*x, times)), (&up, &|y| tick(*y, values))];
+        let mut chart = frame::linear(area, theme, (times, values), axes)?;
+        for line in &self.lines {
+            // Every recording after the first is nearer to the ink and has dashes of its own, so that curves that coincide are both seen.
+            let ((color, round), ink) = (theme.color(line.color), theme.ink());
+            let [red, green, blue] = [(color.0, ink.0), (color.1, ink.1), (color.2, ink.2)]
+                .map(|(a, b)| if line.file > 0 { a / 2 + b / 2 } else { a });
+            let style = RGBColor(red, green, blue).stroke_width(px(17) / 10);
+            let scale = [f64::from(WIDTH) / (times.1 - times.0), f64::from(PANEL) / (values.1 - values.0)];
+            let shown = |(time, value): (f64, f64)| (time, if self.is_noise { 0.0 } else { value });
+            let points = straightened(thinned(finite(line).into_iter().map(shown).collect()), scale);
+            let dashes = dashes(line.file, self.files, round);
+            match dashes {
+                None => chart.draw_series(LineSeries::new(points, style))?,
+                Some((dash, gap)) => {
+                    chart.draw_series(DashedLineSeries::new(points, frame::at(dash), frame::at(gap), style))?
+                }
+            };
+            legend.line(&with_unit(&line.label, unit), style, dashes)?;
+        }
+        Ok(())
+    }
+}
+
 fn finite(line: &Line) -> Vec<(f64, f64)> {
     line.points.iter().copied().filter(|(time, value)| time.is_finite() && value.is_finite()).collect()
 }
@@ -161,7 +219,18 @@ fn straightened(points: Vec<(f64, f64)>, scale: [f64; 2]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{STRAIGHT, straightened, thinned};
+    use super::super::MOST_LINES;
+    use super::{STRAIGHT, Theme, dashes, straightened, thinned};
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_two_lines_of_a_recording_look_the_same() {
+        let look = |line: usize| {
+            let (color, round) = Theme::Light.color(line);
+            ((color.0, color.1, color.2), dashes(0, 1, round))
+        };
+        assert_eq!((0..MOST_LINES).map(look).collect::<HashSet<_>>().len(), MOST_LINES);
+    }
 
     #[test]
     fn what_is_left_out_is_not_seen() {

@@ -1,9 +1,11 @@
 //! The curves of a run, and its numbers in single precision.
 
 use super::super::palette::Theme;
-use super::super::plot::{Line, draw};
+use super::super::plot::Line;
+use super::super::plot::draw::{self, Plot};
 use super::super::samples::Rows;
 use super::super::samples::{self, Place};
+use super::super::sizes::Sizes;
 use super::material::Material;
 use crate::record::Table;
 
@@ -47,7 +49,8 @@ pub(super) fn curves(material: &Material) -> anyhow::Result<Vec<String>> {
             0 => title.to_owned(),
             more => format!("{title}: the first {} of {}", shown.len(), shown.len() + more),
         };
-        drawn.push(draw::draw(&lines, &title, "time (s)", Theme::default())?);
+        let (across, sizes) = ("time (s)", Sizes::of(&material.scene));
+        drawn.push(draw::draw(&Plot { lines: &lines, title: &title, across, sizes, theme: Theme::default() })?);
     }
     Ok(drawn)
 }

@@ -1,10 +1,11 @@
 //! Tables: modes, pose, reactions, what couplings bear, energies, events.
 
 use super::super::number::{digits_apart, natural, number_to};
+use super::super::sizes::Sizes;
 use super::super::text::{UNDAMPED, number, small, without_noise};
 use super::material::Material;
-use super::sizes::{Sizes, numbers_of, units};
 use crate::markup::escape;
+use crate::record::scene::Channel;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -108,7 +109,7 @@ pub(super) fn pose(out: &mut String, material: &Material) {
         let channels = material.scene.positions.iter().filter(|channel| channel.body == body);
         channels.skip(index).map(|channel| (channel.name.as_str(), channel.unit.as_str())).next().unwrap_or_default()
     };
-    let sizes = Sizes::of(material);
+    let sizes = Sizes::of(&material.scene);
     let mut rows = Vec::new();
     for (body, values) in map(&material.statics, "positions") {
         for (index, value) in values.as_array().into_iter().flatten().enumerate() {
@@ -125,7 +126,7 @@ pub(super) fn pose(out: &mut String, material: &Material) {
 
 /// The outputs that an answer has, with their units.
 fn outputs(out: &mut String, title: &str, material: &Material, answer: &Value) {
-    let sizes = Sizes::of(material);
+    let sizes = Sizes::of(&material.scene);
     let row = |(name, value): (&String, &Value)| {
         let units = units(material, name);
         let unit = |at: usize| units.get(at).copied().unwrap_or_default();
@@ -136,6 +137,23 @@ fn outputs(out: &mut String, title: &str, material: &Material, answer: &Value) {
     };
     let rows = map(answer, "outputs").map(row).collect();
     table(out, title, &["output", "value", "unit"], rows);
+}
+
+/// The unit of each number of an output; none if the recording does not say it.
+fn units<'m>(material: &'m Material, output: &str) -> Vec<&'m str> {
+    let is_of = |channel: &&Channel| {
+        let rest = channel.name.strip_prefix(output).filter(|_| channel.body.is_empty());
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
+    };
+    material.scene.outputs.iter().filter(is_of).map(|channel| channel.unit.as_str()).collect()
+}
+
+/// The numbers of a value that is one or a list of several.
+fn numbers_of(value: &Value) -> Vec<f64> {
+    match value.as_array() {
+        Some(list) => list.iter().filter_map(Value::as_f64).collect(),
+        None => value.as_f64().into_iter().collect(),
+    }
 }
 
 /// One number, or several.
@@ -162,7 +180,7 @@ fn largest(values: &[&Value]) -> [f64; 2] {
 const AXES: [&str; 7] = ["", "Fx (N)", "Fy (N)", "Fz (N)", "Mx (N m)", "My (N m)", "Mz (N m)"];
 
 pub(super) fn reactions(out: &mut String, material: &Material) {
-    let (statics, sizes) = (&material.statics, Sizes::of(material));
+    let (statics, sizes) = (&material.statics, Sizes::of(&material.scene));
     for (key, title, head) in [
         ("reactions", "Reactions of the hinges, at the root markers, inertial axes", "hinge of"),
         ("loop_reactions", "Reactions of the loops, inertial axes", "loop"),
@@ -203,7 +221,7 @@ pub(super) fn reactions(out: &mut String, material: &Material) {
 }
 
 pub(super) fn run(out: &mut String, material: &Material) {
-    let (outcome, sizes) = (&material.outcome, Sizes::of(material));
+    let (outcome, sizes) = (&material.outcome, Sizes::of(&material.scene));
     let rows: Vec<(&str, &str)> = vec![
         ("kinetic and potential at the start", "energy_start"),
         ("kinetic and potential at the end", "energy_end"),
@@ -232,7 +250,7 @@ fn is_lock(material: &Material, name: &str) -> bool {
 
 /// The events of a run. Stages are at no place: of them it is told what energy (J) the change has taken out, and their outputs.
 fn events(out: &mut String, material: &Material, energy: f64) {
-    let (outcome, sizes) = (&material.outcome, Sizes::of(material));
+    let (outcome, sizes) = (&material.outcome, Sizes::of(&material.scene));
     let is_stage = |event: &Value| event["kind"] == "stage";
     let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (label, value) in list(outcome, "events").flat_map(|event| map(event, "outputs")) {

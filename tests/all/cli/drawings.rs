@@ -241,6 +241,43 @@ fn the_whole_of_a_column_is_in_the_picture_of_a_report() {
     }
 }
 
+/// The texts of an SVG.
+fn texts(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).expect("XML");
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.filter_map(|node| node.text()).map(|text| text.trim().to_owned()).collect()
+}
+
+/// A thrust along a straight column bends it by rounding alone.
+#[test]
+fn a_column_that_is_not_bent_has_no_colours_of_its_moment() {
+    let bench = Bench::new();
+    bench.call(&["run", &shipped("beams/held_column"), "--out", "run.mcap", "--quiet"]).code(0);
+    let svg = picture(&bench, &[]);
+    assert!(!texts(&svg).iter().any(|text| text.contains("moment")), "{:?}", texts(&svg));
+}
+
+/// A machine that stays on its mounts trembles by rounding, at the frequency of stiff rubber.
+#[test]
+fn a_plot_of_what_stays_is_flat_and_has_one_axis_of_time() {
+    let bench = Bench::new();
+    bench.call(&[
+        "run",
+        &shipped("machine_on_mounts"),
+        "--out",
+        "run.mcap",
+        "--quiet",
+        "--set",
+        "simulate.duration=0.1",
+    ]);
+    bench.call(&["plot", "run.mcap", "hinges", "-o", "a.svg"]).code(0);
+    let told = texts(&std::fs::read_to_string(bench.path().join("a.svg")).expect("a plot"));
+    let noise = told.iter().filter_map(|text| text.parse::<f64>().ok()).find(|x| *x != 0.0 && x.abs() < 1e-9);
+    assert_eq!(noise, None, "{told:?}");
+    assert_eq!(told.iter().filter(|text| *text == "time (s)").count(), 1, "{told:?}");
+    assert!(told.iter().any(|text| text == "quaternion") && !told.iter().any(|text| text == "value"), "{told:?}");
+}
+
 /// Green is what stands and was not stopped.
 #[test]
 fn reports_of_what_does_not_stand_are_not_green() {
