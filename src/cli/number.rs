@@ -19,20 +19,25 @@ pub(super) fn show_digits(digits: u8) {
     DIGITS.store(usize::from(digits), Ordering::Relaxed);
 }
 
+/// How many significant digits reports show.
+pub(super) fn shown_digits() -> usize {
+    DIGITS.load(Ordering::Relaxed)
+}
+
 /// As many significant digits as reports show, without trailing zeros: `-9.807`, `0.1`, `2.5e-9`.
 pub(super) fn number(x: f64) -> String {
-    significant(x, DIGITS.load(Ordering::Relaxed))
+    significant(x, shown_digits())
 }
 
 /// A number with at least so many significant digits, and with as many as reports show.
 pub(super) fn number_to(x: f64, digits: usize) -> String {
-    significant(x, DIGITS.load(Ordering::Relaxed).max(digits))
+    significant(x, shown_digits().max(digits))
 }
 
 /// Significant digits that tell numbers apart which are as many values of one thing, at most [`MOST_DIGITS`]: no fewer than reports show.
 pub(super) fn digits_apart(values: &[f64]) -> usize {
     let shown = |digits: usize| values.iter().map(|x| number_to(*x, digits)).collect::<BTreeSet<_>>().len();
-    let least = DIGITS.load(Ordering::Relaxed);
+    let least = shown_digits();
     let all = shown(MOST_DIGITS);
     (least..MOST_DIGITS).find(|digits| shown(*digits) == all).unwrap_or(MOST_DIGITS)
 }

@@ -1,7 +1,7 @@
 //! `picture`: one instant of a recording, without a window.
 
 use super::inputs::Inputs;
-use super::number::time;
+use super::number::{shown_digits, time};
 use super::{Exit, output, pixels, samples};
 use crate::model::contact::fits;
 use crate::record::drawing::{Drawing, Extras, LoadTime};
@@ -182,7 +182,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     if let Some(loads) = footage.loads(&shown) {
         let most = loads.iter().copied().fold(0.0, f64::max);
-        drawing = drawing.shaded(&loads, most);
+        drawing = drawing.shaded(&loads, most, shown_digits());
     }
     if arguments.reactions {
         drawing = drawing.with_reactions(&shown.bodies, &shown.reactions);

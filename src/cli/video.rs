@@ -128,7 +128,7 @@ fn paint(
 ) -> anyhow::Result<Pixels> {
     let poses = &clip.poses[index];
     let picture = match clip.loads.get(index) {
-        Some(loads) => svg(&drawing.clone().shaded(loads, most), poses, frame),
+        Some(loads) => svg(&drawing.clone().shaded(loads, most, number::shown_digits()), poses, frame),
         None => svg(drawing, poses, frame),
     };
     painter.paint(&picture, 1).map_err(anyhow::Error::msg)

@@ -1,7 +1,7 @@
 //! `view`: a recording in the Rerun viewer, or as glTF.
 
 use super::inputs::Inputs;
-use super::number::time;
+use super::number::{shown_digits, time};
 use super::{Exit, number, output, picture, samples};
 use crate::record::drawing::Extras;
 use crate::record::gltf::glb;
@@ -79,7 +79,7 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
     let first = picture::sample(&footage, arguments.at, arguments.quiet)?;
     let mut drawing = footage.drawing(&first.bodies, Extras::default());
     if let Some(loads) = footage.loads(&first) {
-        drawing = drawing.shaded(&loads, loads.iter().copied().fold(0.0, f64::max));
+        drawing = drawing.shaded(&loads, loads.iter().copied().fold(0.0, f64::max), shown_digits());
     }
     let clips = if arguments.at.is_some() { Vec::new() } else { footage.clips()? };
     let written = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);

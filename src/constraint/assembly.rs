@@ -7,7 +7,7 @@ use super::rows::{Owner, second_frame};
 use super::{Constraints, RowGroup, RowSelection};
 use crate::model::Model;
 use crate::model::couplings::Closure;
-use crate::model::problem::{Element, Problem, counted, number};
+use crate::model::problem::{Element, Problem, counted, rounded};
 use crate::motion::Motion;
 use crate::round_off;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -487,5 +487,5 @@ fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> (f64, String) {
         };
         largest = (most / per, size, unit);
     }
-    (largest.0, format!("{}{}", number(largest.1), largest.2))
+    (largest.0, format!("{}{}", rounded(largest.1), largest.2))
 }

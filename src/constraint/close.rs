@@ -16,7 +16,7 @@ use super::component::between_ends;
 use super::rows::Owner;
 use super::{Constraints, Largest, Rate, RowSelection};
 use crate::model::Model;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use crate::motion::{Motion, displace};
 use crate::round_off::CLOSED;
 use crate::sparse::{Gram, SparseRows};
@@ -55,7 +55,7 @@ pub struct OpenGap {
 impl OpenGap {
     /// The gap with its unit.
     pub fn words(&self) -> String {
-        self.angle.map_or_else(|| format!("{} m", number(self.gap)), |angle| format!("{} rad", number(angle)))
+        self.angle.map_or_else(|| format!("{} m", rounded(self.gap)), |angle| format!("{} rad", rounded(angle)))
     }
 }
 

@@ -54,9 +54,19 @@ pub enum Element {
     Stage(usize),
 }
 
-/// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.
+/// Six significant digits without trailing zeros, of numbers that files give: `-9.80665`, `0.1`, `2.5e-9`.
 pub fn number(x: f64) -> String {
     significant(x, 6)
+}
+
+/// Four significant digits, as in reports, of numbers that are computed: `-9.807`, `0.5236`, `1.019e6`.
+pub fn rounded(x: f64) -> String {
+    const DIGITS: usize = 4;
+    // Of what is as large nobody counts the last digits.
+    match x.abs() >= 1e5 {
+        true => exponential(x, DIGITS),
+        false => significant(x, DIGITS),
+    }
 }
 
 /// So many significant digits (≥ 1) without trailing zeros; the digits before the point are never rounded away.
@@ -66,14 +76,18 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
     let size = x.abs().log10().floor();
     if !(-4.0..7.0).contains(&size) {
-        let shown = format!("{x:.*e}", digits - 1);
-        return match shown.split_once('e') {
-            Some((digits, power)) => format!("{}e{power}", without_zeros(digits)),
-            None => shown,
-        };
+        return exponential(x, digits);
     }
     let decimals = (digits as f64 - 1.0 - size).max(0.0) as usize;
     without_zeros(&format!("{x:.decimals$}")).to_owned()
+}
+
+fn exponential(x: f64, digits: usize) -> String {
+    let shown = format!("{x:.*e}", digits - 1);
+    match shown.split_once('e') {
+        Some((digits, power)) => format!("{}e{power}", without_zeros(digits)),
+        None => shown,
+    }
 }
 
 /// `3 bodies`, `1 body`.

@@ -15,7 +15,7 @@
 
 use crate::integrate::{Progress, Start, StepError, Stepper};
 use crate::model::Model;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use crate::record::ContactPush;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Equations;
@@ -103,7 +103,7 @@ pub(super) fn prove(motion: &mut Equations, time: f64, state: &State) -> Result<
             let why = format!(
                 "the forces that statics has found for its supports do not keep {} still: it would accelerate with {} {}",
                 model.label(index),
-                number(a[index]),
+                rounded(a[index]),
                 if link.joint.is_distance() { "m/s²" } else { "rad/s²" }
             );
             return Err(RunError::Contact { name: rule.name, why });

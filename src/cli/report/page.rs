@@ -3,7 +3,7 @@
 //! Its Content-Security-Policy allows the one script and the one style sheet by their hashes, and nothing from anywhere: whatever a scenario
 //! names its bodies, nothing of it runs, and nothing is fetched or sent.
 
-use super::super::number::{count, ordinal};
+use super::super::number::{count, ordinal, shown_digits};
 use super::material::Material;
 use super::{curves, tables, words};
 use crate::markup::escape;
@@ -195,7 +195,7 @@ fn stage(material: &Material, notes: &mut Vec<String>) -> anyhow::Result<Stage> 
     let mut drawing = Drawing::new(&material.scene, first, Extras::default());
     if let Some(loads) = clips[0].loads.first() {
         let most = clips.iter().flat_map(|clip| clip.loads.iter().flatten()).copied().fold(0.0, f64::max);
-        drawing = drawing.shaded(loads, most);
+        drawing = drawing.shaded(loads, most, shown_digits());
     }
     let legend = drawing.legend.as_ref().map_or(String::new(), |legend| legend_bar(legend, clips[0].loads.len() > 1));
     notes.extend(drawing.notes.iter().cloned());

@@ -2,7 +2,7 @@
 
 use super::Beam;
 use crate::model::Model;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 
 /// An element that turns by more than this is worth another one (rad): the error of its steps grows with the fifth power.
 pub(crate) const MUCH_TURN: f64 = 1.5;
@@ -38,7 +38,7 @@ impl Wound {
         let (turns, by) = if elements.len() == 1 { ("turns", "") } else { ("turn", "up to ") };
         format!(
             "{names} {turns} by {by}{} rad: elements are exact enough up to {MUCH_TURN} rad each, at least {needed} elements are needed",
-            number(*turn)
+            rounded(*turn)
         )
     }
 }

@@ -13,7 +13,12 @@ pub struct Legend {
     pub unit: &'static str,
     /// At the darkest colour, in that unit; the lightest is zero.
     pub most: f64,
+    /// Significant digits that are shown of it.
+    pub digits: usize,
 }
+
+/// Significant digits where nobody asks for others, as in reports.
+pub(in crate::record) const DIGITS: usize = 4;
 
 /// From nothing to the most: grey as steel, amber, red, dark. Lightness falls throughout, so that they are told from each other
 /// without seeing colours.
@@ -30,20 +35,22 @@ pub fn shade(part: f64) -> [f64; 3] {
 
 impl Legend {
     /// Of what [`Tubes::loads`] says, which is at most this much; `None` if beams bear nothing.
-    pub fn new(tubes: &Tubes, most: f64) -> Option<Self> {
+    pub fn new(tubes: &Tubes, most: f64, digits: usize) -> Option<Self> {
         let (what, unit, factor) = match tubes.show_stress() {
             true => ("von Mises stress", "MPa", 1e-6),
             false => ("moment", "N m", 1.0),
         };
-        (most > 0.0 && most.is_finite()).then_some(Self { what, unit, most: most * factor })
+        (most > 0.0 && most.is_finite()).then_some(Self { what, unit, most: most * factor, digits })
     }
 
-    /// The largest value with three digits.
+    /// The largest value.
     pub fn number(&self) -> String {
-        let size = self.most.log10().floor();
-        match (-3.0..6.0).contains(&size) {
-            true => format!("{:.*}", (2.0 - size).max(0.0) as usize, self.most),
-            false => format!("{:.2e}", self.most),
+        let last = self.digits.saturating_sub(1);
+        let rounded = format!("{:.last$e}", self.most);
+        let size = rounded.split_once('e').and_then(|(_, size)| size.parse::<i32>().ok());
+        match size.filter(|size| (-3..=last as i32).contains(size)) {
+            Some(size) => format!("{:.*}", (last as i32 - size) as usize, self.most),
+            None => rounded,
         }
     }
 }
@@ -54,11 +61,11 @@ impl Drawing {
         sweep.first - self.scene.bodies.len()
     }
 
-    /// Colours the beams by what their cross sections bear, as [`Tubes::loads`] says; `most` has the darkest colour. Nothing is
-    /// coloured if nothing is borne.
-    pub fn shaded(mut self, loads: &[f64], most: f64) -> Self {
+    /// Colours the beams by what their cross sections bear, as [`Tubes::loads`] says; `most` has the darkest colour, and the legend shows so many digits
+    /// of it. Nothing is coloured if nothing is borne.
+    pub fn shaded(mut self, loads: &[f64], most: f64, digits: usize) -> Self {
         let tubes = Tubes::new(&self.scene);
-        self.legend = Legend::new(&tubes, most);
+        self.legend = Legend::new(&tubes, most, digits);
         if self.legend.is_none() {
             return self;
         }
@@ -74,7 +81,7 @@ impl Drawing {
 
 #[cfg(test)]
 mod tests {
-    use super::shade;
+    use super::{Legend, shade};
 
     /// Relative luminance of colours on a screen (WCAG 2).
     #[test]
@@ -90,5 +97,15 @@ mod tests {
         }
         assert_eq!(shade(f64::NAN), shade(0.0));
         assert_eq!(shade(7.0), shade(1.0));
+    }
+
+    #[test]
+    fn legends_have_the_digits_that_are_asked_for() {
+        let shown = |most: f64, digits: usize| Legend { what: "moment", unit: "N m", most, digits }.number();
+        assert_eq!(
+            [29_814.2, 162_835.0, 12.345, 999.97].map(|most| shown(most, 4)),
+            ["2.981e4", "1.628e5", "12.35", "1000"]
+        );
+        assert_eq!([shown(29_814.2, 6), shown(0.012_345, 2), shown(3e-5, 1)], ["29814.2", "0.012", "3e-5"]);
     }
 }

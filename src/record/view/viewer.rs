@@ -12,8 +12,8 @@ use super::picture::Picture;
 use super::stream::Stream;
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
-use crate::record::drawing::Legend;
 use crate::record::drawing::bounds::{Bounds, Outline};
+use crate::record::drawing::{DIGITS, Legend};
 use crate::record::footage::holds_poses;
 use crate::record::meshes;
 use crate::record::solids::solids;
@@ -152,7 +152,7 @@ impl Viewer {
         };
         let mut picture = Picture::new(&self.scene, plots, scales);
         picture.statics = self.statics.clone();
-        if let Some(legend) = Legend::new(&Tubes::new(&self.scene), picture.scales.borne) {
+        if let Some(legend) = Legend::new(&Tubes::new(&self.scene), picture.scales.borne, DIGITS) {
             let (most, Legend { what, unit, .. }) = (legend.number(), legend);
             let told = format!("**Beams** are coloured by {what}: grey is none, the darkest red {most} {unit}.\n");
             picture.statics = Some(picture.statics.unwrap_or_default() + &told);

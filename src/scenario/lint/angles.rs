@@ -1,7 +1,7 @@
 //! Degrees in the place of radians.
 
 use super::{Scene, Written, by_coordinate, exactly, hinge_of, limits, tables, text, units};
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -93,7 +93,7 @@ fn check_angle(scene: &Scene<'_>, path: &str, written: &Written) {
     let message = format!("`{path}`: {angle} rad is more than a turn");
     let help = format!(
         "angles are radians: {angle}° are {}; write \"{angle} deg\" for degrees, or \"{angle} rad\" if it is meant",
-        number(angle.to_radians())
+        rounded(angle.to_radians())
     );
     scene.warn(written, message, help);
 }

@@ -3,7 +3,7 @@
 use super::{Scene, Written, by_coordinate, exactly, hinge_of, in_millimetres, limits, tables, text, units};
 use crate::hinge::HingeKind;
 use crate::model::description::GROUND;
-use crate::model::problem::number;
+use crate::model::problem::{number, rounded};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -200,7 +200,8 @@ fn check_among(scene: &Scene<'_>, judged: &[&Length<'_>], out: impl Fn(&Length<'
                 } else {
                     "the median of the scene's lengths"
                 };
-                let message = format!("{} m is {times:.0} times {of}, {} m", written.value, number(median));
+                let message =
+                    format!("{} m is {} times {of}, {} m", written.value, rounded(times.round()), number(median));
                 scene.warn(written, message, in_millimetres(written.value));
             }
         }

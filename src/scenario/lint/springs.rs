@@ -6,7 +6,7 @@ use crate::force::{Act, Law};
 use crate::hinge::HingeKind;
 use crate::model::Model;
 use crate::model::description::{BodyDescription, GROUND};
-use crate::model::problem::number;
+use crate::model::problem::{number, rounded};
 use crate::motion::Motion;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::cell::RefCell;
@@ -125,9 +125,9 @@ impl<'s, 'a> Springs<'s, 'a> {
         let weight = self.weight.filter(|weight| force > WEIGHTS * weight && !self.is_sought);
         let Some(weight) = weight else { return };
         let message = format!(
-            "`{key}`: the spring has {} N at the start, {:.0} times the weight of the scene",
-            number(force),
-            force / weight
+            "`{key}`: the spring has {} N at the start, {} times the weight of the scene",
+            rounded(force),
+            rounded((force / weight).round())
         );
         let help = match length.value.abs() < LEAST {
             true => format!("stiffness is in N/m, lengths are metres; write \"{} m\" if it is meant", length.value),
@@ -237,7 +237,7 @@ impl<'s, 'a> Springs<'s, 'a> {
             return;
         }
         let k = stiffness.value;
-        let message = format!("`{key}`: {k} N/m let `{name}` sink by {} m under its own weight", number(sag));
+        let message = format!("`{key}`: {k} N/m let `{name}` sink by {} m under its own weight", rounded(sag));
         let help = format!(
             "stiffness is in N/m: {k} N/mm are {}; write \"{k} N/mm\", or \"{k} N/m\" if it is meant",
             number(1000.0 * k)

@@ -12,7 +12,7 @@
 use super::{Contacts, Trouble};
 use crate::contact::cone::{Answer, Law, Problem};
 use crate::contact::frame::{Frame, problem};
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use nalgebra::Vector3;
 
 /// Impacts one after the other at one instant; of more of them what is left is answered at once and without restitution if it is nearly nothing.
@@ -74,7 +74,7 @@ impl Contacts {
             if impact == MOST_IMPACTS && speeds[worst].x < -SPENT * fastest {
                 let why = format!(
                     "after {MOST_IMPACTS} impacts at one instant they still approach with {} m/s",
-                    number(-speeds[worst].x)
+                    rounded(-speeds[worst].x)
                 );
                 return Err(Trouble::Undecided { between: self.between(frames[worst].key.couple), why });
             }

@@ -5,7 +5,7 @@
 //! deflections by the two ways to section forces ([`Discretization`](crate::dynamics::Discretization)) has to bear the answer out.
 
 use crate::dynamics::{Balanced, LockedStrain};
-use crate::model::problem::{number, significant};
+use crate::model::problem::{rounded, significant};
 
 /// Deflections that are wrong by more than this part of a beam's length are not those of the beam.
 const WRONG: f64 = 0.1;
@@ -32,7 +32,7 @@ pub(super) fn judge(balanced: &Balanced<'_>, q: &[f64]) -> Judged {
                 "the elements of `{}` balance, but by the estimate its deflections are wrong by {} times its length: this is no \
                  equilibrium of the beam",
                 wound.beam,
-                number(error)
+                rounded(error)
             ));
         }
         judged.notes.push(wound.note());
@@ -46,7 +46,7 @@ pub(super) fn judge(balanced: &Balanced<'_>, q: &[f64]) -> Judged {
 /// What is said of a strain that is not free.
 fn told(locked: &LockedStrain) -> String {
     let LockedStrain { beam, name, strain, force, s } = locked;
-    let (force, s, strain) = (number(*force), number(*s), significant(*strain, 3));
+    let (force, s, strain) = (rounded(*force), rounded(*s), significant(*strain, 3));
     let makes = match *name {
         "stretch" | "shear" => format!("{force} N at s = {s} m would make {strain} of it"),
         _ => format!("{force} N m at s = {s} m would turn the beam by {strain} rad over its length"),

@@ -27,7 +27,7 @@
 use crate::force::Act;
 use crate::hinge::Condition;
 use crate::model::couplings::Closure;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use crate::model::stop;
 use crate::model::{Coordinate, CurveOver, Drive, Model, Motor};
 use crate::motion::Motion;
@@ -371,11 +371,11 @@ impl<'m> Scene<'m> {
             motors => ("winds up", format!(": `{motors}` is stronger than the load")),
         };
         let note = if self.model.links[link].joint.is_angle() {
-            let moment = number(rate / motion[leads].abs());
+            let moment = rounded(rate / motion[leads].abs());
             format!("{turning} for ever: nothing balances {moment} N m in `{body}`, the same all the way{strong}")
         } else {
             let speed = self.velocity(link, columns, motion);
-            let (force, along) = (number(rate / speed.norm()), speed.normalize());
+            let (force, along) = (rounded(rate / speed.norm()), speed.normalize());
             let along = format!("along [{:.3}, {:.3}, {:.3}]", along.x, along.y, along.z);
             match speed.dot(&self.model.gravity) > 0.0 {
                 true => {

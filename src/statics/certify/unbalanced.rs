@@ -2,7 +2,7 @@
 
 use crate::dynamics::Fault;
 use crate::force::Act;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{Landscape, slides};
 use nalgebra::Vector3;
@@ -59,7 +59,7 @@ pub(in crate::statics) fn describe(landscape: &mut Landscape<'_>, place: &Place,
         relative => format!("{relative:.1e} of the forces there"),
     };
     let (model, coordinate) = (&Arc::clone(landscape.model()), landscape.free[worst]);
-    let size = number(place.force[worst]);
+    let size = rounded(place.force[worst]);
     let unit = if slides(model)[coordinate] { "N" } else { "N m" };
     let direction = direction(landscape, place, coordinate);
     let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));

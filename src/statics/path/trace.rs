@@ -435,7 +435,7 @@ pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &PathBranch, index: usize, 
         let leaves_stops = tracer.off_stops.iter().any(|(of, _)| *of == at);
         let is_one = |event: &&PathEvent| event.kind == EventKind::Bifurcation && !leaves_stops;
         let Some(event) = point.event.as_ref().filter(is_one) else { continue };
-        let value = crate::model::problem::number(point.parameter);
+        let value = crate::model::problem::rounded(point.parameter);
         if event.directions > 1 {
             let count = if event.directions == 2 { "double".to_owned() } else { format!("{}-fold", event.directions) };
             notes.push(format!("{count} bifurcation at {value}: its branches are not followed"));

@@ -47,7 +47,7 @@ use super::settings::{Margin, Settings};
 use crate::contact::support::Undecided;
 pub use crate::contact::support::Verdict;
 use crate::dynamics::Fault;
-use crate::model::problem::{number, significant};
+use crate::model::problem::{rounded, significant};
 use crate::model::{Description, Link, Model, Parameter, StopLaw};
 use std::sync::Arc;
 
@@ -198,7 +198,7 @@ fn settled(
             Unanswered::Unsettled(format!(
                 "where nothing goes down any more `{one}` and `{other}` overlap by {} m, and {} m count as closed: \
                  begin from another pose, or raise `[statics] gap`",
-                number(depth),
+                rounded(depth),
                 significant(allowed, 2)
             ))
         }
@@ -210,7 +210,7 @@ fn settled(
         "settled from the given pose in {} steps: `{}` moved by {} m, more than any other body",
         end.steps,
         model.bodies[end.body].name,
-        number(end.moved)
+        rounded(end.moved)
     ));
     Ok(Equilibrium { standing: Some(Box::new(there)), ..found })
 }

@@ -22,7 +22,7 @@ use crate::contact::hinges::{self, Id, Support};
 use crate::contact::pairs::{LOOSE, Pairs};
 use crate::dynamics::System;
 use crate::model::Model;
-use crate::model::problem::number;
+use crate::model::problem::rounded;
 use crate::motion::Motion;
 use crate::round_off::{CLOSED, ENERGY};
 use crate::statics::problem::Landscape;
@@ -236,11 +236,11 @@ impl Search<'_, '_> {
                 let (away, body) = way(&self.model, &start, &place.q);
                 let name = &self.model.bodies[body].name;
                 let why = if away > STRAIGHT * travelled {
-                    format!("`{name}` has moved by {} m, and nothing stops it", number(away))
+                    format!("`{name}` has moved by {} m, and nothing stops it", rounded(away))
                 } else {
                     format!(
                         "it has moved by {} m, {FAR} times its own size, and does not come to rest",
-                        number(travelled)
+                        rounded(travelled)
                     )
                 };
                 return Err(Unanswered::Unsettled(why));
@@ -250,7 +250,7 @@ impl Search<'_, '_> {
         let name = &self.model.bodies[body].name;
         Err(Unanswered::Unsettled(format!(
             "it still moves after {MOST_STEPS} steps; `{name}` has moved by {} m",
-            number(away)
+            rounded(away)
         )))
     }
 

@@ -72,11 +72,8 @@ fn reports_say_units_four_digits_and_no_round_off() {
                 // A title is what the file says.
                 let title = !line.starts_with(' ') && !line.contains('(');
                 lines += 1;
-                // What the core notes has six digits.
-                let most = if line.trim_start().starts_with("note") { 6 } else { 4 };
-                wrong.extend(
-                    fault(line, most).filter(|_| !title).map(|why| format!("{command} {scene}: {why}\n  {line}")),
-                );
+                wrong
+                    .extend(fault(line, 4).filter(|_| !title).map(|why| format!("{command} {scene}: {why}\n  {line}")));
             }
         }
     }

@@ -203,7 +203,7 @@ fn drives_open_and_close_again_where_they_meet() {
         let said = refused(&description, 0.4);
         let mass = if slides { 1.0 } else { description.bodies[1].mass.inertia[(0, 0)] };
         let gap = 0.5 * pull / mass * 0.15 * 0.15;
-        let told = format!("drive `again` is open by {}", stillpoint::model::problem::number(gap));
+        let told = format!("drive `again` is open by {}", stillpoint::model::problem::rounded(gap));
         let allowed = if slides { " m, allowed: " } else { " rad, allowed: 1e-9 rad; let the parts meet" };
         // The last digit told may be another one.
         assert!(said.contains(&told[..told.len() - 2]) && said.contains(allowed), "seed {seed}: {said}, {told}");
