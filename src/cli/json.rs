@@ -123,6 +123,8 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "factorizations": found.factorizations,
         "residual_acceleration": found.residual_acceleration,
         "residual_force": found.residual_force,
+        "residual_unit": found.residual_at.map(|at| model.force_unit(at)),
+        "residual_at": found.residual_at.map(|at| bare(&model.label(at))),
         "relative_residual": found.relative_residual,
         "round_off": found.round_off,
         "positions": by_hinge(model, &found.position, true),

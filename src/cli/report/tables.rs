@@ -5,6 +5,7 @@ use super::super::sizes::Sizes;
 use super::super::text::{UNDAMPED, number, small, without_noise};
 use super::material::Material;
 use crate::markup::escape;
+use crate::record::Scene;
 use crate::record::scene::Channel;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -196,28 +197,46 @@ pub(super) fn reactions(out: &mut String, material: &Material) {
         let rows = map(statics, key).map(row).filter(|row| row.len() == heads.len()).collect();
         table(out, title, &heads, rows);
     }
-    let bears = |value: &Value| {
-        let shown = numbers_of(value).into_iter().map(|force| number(sizes.clean(force, "N")));
-        shown.collect::<Vec<_>>().join(", ")
+    couplings(out, material);
+}
+
+/// What drives, motors, ropes, curves, locks and stops bear.
+fn couplings(out: &mut String, material: &Material) {
+    let (statics, sizes) = (&material.statics, Sizes::of(&material.scene));
+    let row = |name: &str, kind: &str, value: &Value, unit: &str| {
+        let shown = numbers_of(value).into_iter().map(|force| number(sizes.clean(force, unit)));
+        vec![escape(name), escape(kind), shown.collect::<Vec<_>>().join(", "), unit.to_owned()]
     };
+    let along = |name: &str, kind: &str, value: &Value| row(name, kind, value, force_unit(&material.scene, name));
     let mut rows = Vec::new();
-    for (key, what) in [("drives", "drive"), ("motors", "motor"), ("pulls", "rope or curve")] {
-        let row = |(name, value): (&String, &Value)| {
-            let what = if what == "drive" && is_lock(material, name) { "lock" } else { what };
-            vec![escape(name), what.to_owned(), bears(value)]
-        };
-        rows.extend(map(statics, key).map(row));
-    }
-    let held = |held: &Value| {
-        vec![escape(held["hinge"].as_str().unwrap_or_default()), "lock".to_owned(), bears(&held["force"])]
-    };
-    rows.extend(list(statics, "holding").map(held));
-    let stop = |stop: &Value| {
-        let side = format!("stop ({})", stop["side"].as_str().unwrap_or_default());
-        vec![escape(stop["hinge"].as_str().unwrap_or_default()), side, bears(&stop["load"])]
-    };
+    let kind = |name: &str| if is_lock(material, name) { "lock" } else { "drive" };
+    rows.extend(map(statics, "drives").map(|(name, value)| along(name, kind(name), value)));
+    rows.extend(map(statics, "motors").map(|(name, value)| along(name, "motor", value)));
+    rows.extend(map(statics, "pulls").map(|(name, value)| row(name, "rope or curve", value, "N")));
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    rows.extend(list(statics, "holding").map(|held| along(&text(&held["hinge"]), "lock", &held["force"])));
+    let stop = |stop: &Value| along(&text(&stop["hinge"]), &format!("stop ({})", text(&stop["side"])), &stop["load"]);
     rows.extend(list(statics, "stops").map(stop));
-    table(out, "Couplings: forces (N) along slides, torques (N m) about axes", &["of", "kind", "bears"], rows);
+    table(out, "Couplings", &["of", "kind", "bears", "unit"], rows);
+}
+
+/// What is borne along a coordinate is measured in, by the name of the drive or motor or that of the coordinate: `arm`, `arm (second_rate)`,
+/// `arm.lock[1]`. Empty if the recording does not say it.
+fn force_unit<'s>(scene: &'s Scene, name: &str) -> &'s str {
+    let is_push = |channel: &&Channel| channel.body == name && matches!(channel.name.as_str(), "force" | "torque");
+    if let Some(push) = scene.couplings.iter().find(is_push) {
+        return &push.unit;
+    }
+    let (body, of_lock) = name.split_once(".lock").map_or((name, None), |(body, index)| (body, Some(index)));
+    let (body, coordinate) = body.split_once(" (").map_or((body, None), |(body, rest)| (body, rest.strip_suffix(')')));
+    let of_body = || scene.velocities.iter().filter(|channel| channel.body == body);
+    let index = of_lock.and_then(|index| index.trim_matches(['[', ']']).parse().ok()).unwrap_or(0);
+    let named = of_body().chain(&scene.positions).find(|one| one.body == body && Some(one.name.as_str()) == coordinate);
+    match named.or_else(|| of_body().nth(index)).map(|channel| channel.unit.as_str()) {
+        Some("m" | "m/s") => "N",
+        Some("rad" | "rad/s") => "N m",
+        _ => "",
+    }
 }
 
 pub(super) fn run(out: &mut String, material: &Material) {

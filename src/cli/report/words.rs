@@ -43,20 +43,18 @@ fn capital(word: &str) -> String {
 
 /// What proves the equilibrium, one sentence each; none if nothing was looked for.
 pub(super) fn certificate(statics: &Value) -> Vec<String> {
-    let (Some(relative), Some(force), Some(acceleration)) = (
-        statics["relative_residual"].as_f64(),
-        statics["residual_force"].as_f64(),
-        statics["residual_acceleration"].as_f64(),
-    ) else {
-        return Vec::new();
-    };
-    let mut said = vec![format!(
-        "Forces that must cancel do so but for {} of their size: the residual is {} (N along slides, N m about axes), which would \
-         accelerate by {} (m/s² or rad/s²).",
-        small(relative),
-        small(force),
-        small(acceleration)
-    )];
+    let Some(relative) = statics["relative_residual"].as_f64() else { return Vec::new() };
+    let residual = statics["residual_force"].as_f64().filter(|force| *force > 0.0);
+    let place = statics["residual_unit"].as_str().zip(statics["residual_at"].as_str());
+    let mut said = vec![match (relative, residual.zip(place)) {
+        (0.0, _) => "Forces that must cancel do so to the last digit.".to_owned(),
+        (_, Some((force, (unit, at)))) => format!(
+            "Forces that must cancel do so to {} of their size: the residual is {} {unit} at most, in `{at}`.",
+            small(relative),
+            small(force)
+        ),
+        (_, None) => format!("Forces that must cancel do so to {} of their size.", small(relative)),
+    }];
     match statics["stability"].as_str() {
         Some("stable") => said.push("Stable: each small displacement is pushed back.".to_owned()),
         Some("unstable") => said.push(format!(

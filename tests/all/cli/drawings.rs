@@ -278,6 +278,33 @@ fn a_plot_of_what_stays_is_flat_and_has_one_axis_of_time() {
     assert!(told.iter().any(|text| text == "quaternion") && !told.iter().any(|text| text == "value"), "{told:?}");
 }
 
+#[test]
+fn a_report_gives_each_coupling_its_own_unit() {
+    let bench = Bench::new();
+    let body = |name: &str, kind: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1.0\ncenter = [0.5, 0, 0]\n\
+             hinge = {{ type = \"{kind}\", axis = [0, 1, 0], limits = {{ low = 0.0, high = 1.0 }}, force = -3.0 }}\n\
+             [[drive]]\nname = \"hold {name}\"\nhinge = \"{name} driven\"\ntype = \"hold\"\n\
+             [[body]]\nname = \"{name} driven\"\nmass = 1.0\ncenter = [0.5, 0, 0]\nhinge = {{ type = \"{kind}\", axis = [0, 1, 0], force = 2.0 }}\n"
+        )
+    };
+    bench.write(
+        "scene.toml",
+        format!("gravity = [0, 0, 0]\n{}{}", body("slide", "prismatic"), body("door", "revolute")),
+    );
+    bench.call(&["report", "scene.toml", "--statics", "-o", "a.html"]).code(0);
+    let page = std::fs::read_to_string(bench.path().join("a.html")).expect("a page");
+    let unit = |of: &str| {
+        let row =
+            page.split("<h2>Couplings</h2>").nth(1)?.split(&format!("<td>{of}</td>")).nth(1)?.split("</tr>").next()?;
+        row.trim_end().strip_suffix("</td>")?.rsplit('>').next()
+    };
+    for (of, expected) in [("slide", "N"), ("door", "N m"), ("hold slide", "N"), ("hold door", "N m")] {
+        assert_eq!(unit(of), Some(expected), "{of}");
+    }
+}
+
 /// Green is what stands and was not stopped.
 #[test]
 fn reports_of_what_does_not_stand_are_not_green() {
@@ -304,6 +331,7 @@ fn a_report_has_units_and_no_round_off() {
     let noise: Vec<f64> = cells.filter(|x| *x != 0.0 && x.abs() < 1e-12).collect();
     assert!(noise.is_empty(), "{noise:?}");
     let said = bench.call(&["run", &wishbone, "--set", "simulate.duration=0.2", "--out", "a.mcap"]).code(0).out;
+    assert!(page.contains("of their size: the residual is") && !page.contains("N along slides"));
     let size = said.lines().find(|line| line.contains("degrees of freedom")).and_then(|line| line.split(", ").next());
     assert!(page.contains(size.expect("a size").trim()), "{said}");
 }
