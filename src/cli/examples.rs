@@ -91,7 +91,7 @@ pub(super) const EXPORT: &str = "\
 Examples:
   stillpoint export pendulum.mcap --csv tables
   stillpoint export pendulum.mcap --csv angle.csv --channel rod.angle --channel rod.rate
-  stillpoint export pendulum.mcap --parquet pendulum.parquet";
+  stillpoint export pendulum.mcap -o pendulum.parquet";
 
 pub(super) const FMU: &str = "\
 Examples:

@@ -21,9 +21,12 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// The recording, an MCAP file, finished or not
     recording: PathBuf,
+    /// Where the table goes, as its name ends: .csv or .parquet
+    #[arg(long, short = 'o', value_name = "FILE.csv|parquet", required_unless_present_any = ["csv", "parquet"])]
+    out: Option<PathBuf>,
     /// Write CSV: a name ending in .csv is one file with all columns, `-` is standard output, a name without an ending a folder with one
     /// file per channel
-    #[arg(long, value_name = "FILE.csv|-|DIR", required_unless_present = "parquet")]
+    #[arg(long, value_name = "FILE.csv|-|DIR")]
     csv: Option<PathBuf>,
     /// Write Parquet: a name ending in .parquet is one file, a name without an ending a folder with one file per channel
     #[arg(long, value_name = "FILE.parquet|DIR")]
@@ -52,6 +55,7 @@ trait Sheet {
 type Create = fn(File, &[Column]) -> anyhow::Result<Box<dyn Sheet>>;
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let [csv, parquet_files] = arguments.targets()?;
     let recording = samples::open(&arguments.recording, arguments.quiet)?;
     let mut tables = Table::all(&recording.scene);
     let contacts = ContactTable::of(&recording)?;
@@ -67,24 +71,24 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     let mut written = Vec::new();
-    if let Some(target) = arguments.csv.as_deref().filter(|target| target.as_os_str() == "-") {
+    if let Some(target) = csv.iter().copied().find(|target| target.as_os_str() == "-") {
         let named = target.display();
-        if arguments.json || arguments.parquet.is_some() {
+        if arguments.json || csv.len() + parquet_files.len() > 1 {
             bail!(
-                "`--csv {named}` writes the table on standard output, and nothing else can go there: leave out `--json` and `--parquet`"
+                "`--csv {named}` writes the table on standard output, and nothing else can go there: leave out `--json` and other files"
             );
         }
         let export = Export { recording: &recording, tables: &tables, places: &places, touching: &touching };
         return export.print().map(|()| Exit::Done);
     }
-    if let Some(target) = &arguments.csv {
+    for target in csv {
         written.extend(Export { recording: &recording, tables: &tables, places: &places, touching: &touching }.write(
             target,
             "csv",
             delimited::create,
         )?);
     }
-    if let Some(target) = &arguments.parquet {
+    for target in parquet_files {
         written.extend(Export { recording: &recording, tables: &tables, places: &places, touching: &touching }.write(
             target,
             "parquet",
@@ -104,6 +108,26 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     Ok(Exit::Done)
+}
+
+impl Arguments {
+    /// What is written as CSV, and what as Parquet.
+    fn targets(&self) -> anyhow::Result<[Vec<&Path>; 2]> {
+        let mut targets =
+            [&self.csv, &self.parquet].map(|target| target.iter().map(PathBuf::as_path).collect::<Vec<_>>());
+        if let Some(out) = &self.out {
+            let ends_in = |ending: &str| out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+            match ["csv", "parquet"].iter().position(|ending| ends_in(ending)) {
+                Some(kind) => targets[kind].push(out),
+                None => bail!(
+                    "`{}`: the name of a table ends in .csv or .parquet; `--csv DIR` and `--parquet DIR` write a folder with one file per \
+                     channel",
+                    out.display()
+                ),
+            }
+        }
+        Ok(targets)
+    }
 }
 
 #[cfg(feature = "parquet")]

@@ -57,7 +57,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         files.iter().map(|file| samples::open(Path::new(file), arguments.quiet)).collect::<Result<_, _>>()?;
     if names.is_empty() {
         let tables = Table::all(&recordings[0].scene);
-        return Err(samples::none_named(&tables));
+        return Err(samples::none_named(&tables, first));
     }
     let mut lines = Vec::new();
     for (index, (file, recording)) in files.iter().zip(&recordings).enumerate() {

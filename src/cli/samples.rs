@@ -80,12 +80,45 @@ pub(super) fn columns(tables: &[Table], name: &str) -> anyhow::Result<Vec<Place>
     Ok(found)
 }
 
-/// No channel was named: which there are.
-pub(super) fn none_named(tables: &[Table]) -> anyhow::Error {
-    let names: Vec<&str> =
-        tables.iter().flat_map(|table| &table.columns).map(|column| column.name.as_str()).take(MOST_NAMES).collect();
-    let more = if names.len() == MOST_NAMES { ", … (`stillpoint info --json` lists all)" } else { "" };
-    anyhow!("no channel is named; there are {}{more}", names.join(", "))
+/// No channel was named: which there are, a line each with its columns, and an example.
+pub(super) fn none_named(tables: &[Table], file: &str) -> anyhow::Error {
+    let tables = || tables.iter().filter(|table| !table.columns.is_empty());
+    let mut text = "no channel is named; there are".to_owned();
+    for table in tables() {
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        let more = match names.len().saturating_sub(MOST_OF_CHANNEL) {
+            0 => String::new(),
+            more => format!(", … and {more} more"),
+        };
+        let shown = format!("{}{more}", names[..names.len().min(MOST_OF_CHANNEL)].join(", "));
+        text += &format!("\n  {:<12} {}", table.name, wrapped(&shown));
+    }
+    let column = tables().next().map_or("energy", |table| table.columns[0].name.as_str());
+    anyhow!(
+        "{text}\nhint: `stillpoint plot {file} {column}` plots a column, or the name of a channel all of it; `stillpoint info --json {file}` \
+         lists all"
+    )
+}
+
+/// Columns of a channel that are listed where none is named.
+const MOST_OF_CHANNEL: usize = 24;
+/// Letters of a line of such a list.
+const WIDE: usize = 100;
+
+/// A list in lines, below each other where the first begins.
+fn wrapped(list: &str) -> String {
+    let (mut text, mut width) = (String::new(), 0);
+    for word in list.split_inclusive(' ') {
+        let length = word.chars().count();
+        if width > 0 && width + length > WIDE {
+            text.truncate(text.trim_end().len());
+            text += &format!("\n  {:<12} ", "");
+            width = 0;
+        }
+        text += word;
+        width += length;
+    }
+    text
 }
 
 /// Names of a list that are printed.

@@ -159,7 +159,12 @@ fn tables_hold_every_digit_and_name_their_units() {
     assert!(wrong.err.contains("did you mean `lower.angle`?"), "{wrong:#?}");
     let nowhere = bench.call(&["export", "a.mcap", "--csv", "nowhere/x.csv"]).code(2);
     assert!(nowhere.err.contains("cannot write `nowhere/x.csv`"), "{nowhere:#?}");
-    assert_eq!(bench.names(), ["a.mcap", "one.csv", "tables"]);
+    // `-o` says by its ending what is written.
+    bench.call(&["export", "a.mcap", "-o", "same.csv", "--channel", "lower.angle", "--channel", "/energy"]).code(0);
+    assert_eq!(std::fs::read_to_string(bench.path().join("same.csv")).expect("a table"), text);
+    let other = bench.call(&["export", "a.mcap", "-o", "x.txt"]).code(2);
+    assert!(other.err.contains("`x.txt`: the name of a table ends in .csv or .parquet"), "{other:#?}");
+    assert_eq!(bench.names(), ["a.mcap", "one.csv", "same.csv", "tables"]);
 }
 
 #[cfg(not(feature = "parquet"))]
@@ -187,7 +192,15 @@ fn a_plot_has_the_names_and_units_of_its_lines() {
     let hint = |arguments: &[&str]| bench.call(arguments).code(2).err;
     assert!(hint(&["plot", "a.mcap", "uper.angle"]).contains("did you mean `upper.angle`?"));
     assert!(hint(&["plot", "a.mcap", "rate"]).contains("upper.rate, lower.rate, upper.rate_dot"));
-    assert!(hint(&["plot", "a.mcap"]).contains("there are upper.angle, lower.angle"));
+    let names = hint(&["plot", "a.mcap"]);
+    assert!(
+        names.contains("\n  hinges       upper.angle, lower.angle, ") && names.contains("\n  energy       kinetic"),
+        "{names}"
+    );
+    assert!(
+        names.contains("hint: `stillpoint plot a.mcap upper.angle`") && names.lines().all(|line| line.len() < 150),
+        "{names}"
+    );
     assert!(hint(&["plot", "upper.angle"]).contains("`upper.angle` is no recording"));
     // Cut in its only chunk: there is nothing to draw, and no empty picture of it.
     let whole = std::fs::read(bench.path().join("a.mcap")).expect("read");
