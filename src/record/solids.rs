@@ -27,7 +27,7 @@ pub(super) fn palette(index: usize) -> [f64; 4] {
 }
 
 /// The solids of every body: the scenario's shapes, with stems to where the body is held; failing those (or where a mesh file cannot be read) rods from the
-/// root marker to the other markers and to where the next bodies hang; failing those a box of the body's inertia.
+/// root marker to the other markers and to where the next bodies hang; failing those a box of the body's inertia, on a rod if it is off the hinge.
 pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
     let mut points: Vec<Vec<[f64; 3]>> =
         scene.bodies.iter().map(|body| body.markers.iter().map(|(_, at)| *at).collect()).collect();
@@ -107,9 +107,22 @@ fn stand_in(body: &BodyPicture, points: &[[f64; 3]], longest: f64, color: [f64; 
     }
     let center = Translation3::from(body.center);
     let (edges, turn) = inertia_box(body);
-    let form = if edges.iter().all(|edge| *edge > 0.0) { Form::Box(edges.into()) } else { Form::Ball(POINT) };
-    vec![solid(form, Isometry3::from_parts(center, turn))]
+    let is_box = edges.iter().all(|edge| *edge > 0.0);
+    let (form, half) = match is_box {
+        true => (Form::Box(edges.into()), 0.5 * edges),
+        false => (Form::Ball(POINT), Vector3::repeat(POINT)),
+    };
+    let away = turn.inverse() * center.vector;
+    let reaches = away.iter().zip(half.iter()).all(|(away, half)| away.abs() <= (1.0 + NEAR) * half);
+    // Nothing holds a free body at its root marker.
+    let is_held = body.mass > 0.0 && body.hinge != "free";
+    let arm = if is_held && !reaches { rod(center.vector, longest) } else { None };
+    let arm = arm.map(|(form, pose)| solid(form, pose));
+    std::iter::once(solid(form, Isometry3::from_parts(center, turn))).chain(arm).collect()
 }
+
+/// A stand-in that is as near to the hinge as this part of its half thickness is not seen to be off it.
+const NEAR: f64 = 0.25;
 
 /// Radius of a body that has a mass but no size (m).
 const POINT: f64 = 0.03;
@@ -198,6 +211,21 @@ mod tests {
             let tip = solids[0].pose * nalgebra::Point3::new(0.0, 0.0, 0.5 * length);
             assert!((tip.coords - Vector3::from(end)).norm() < 1e-12, "{tip} is not {end:?}");
         }
+    }
+
+    /// A homogeneous rod reaches its hinge; a bob of the same mass at its middle does not.
+    #[test]
+    fn what_is_off_its_hinge_hangs_on_a_rod() {
+        let hung = |moment: f64, kind: &str| {
+            let inertia = [moment, moment, 1e-6, 0.0, 0.0, 0.0];
+            drawn(BodyPicture { inertia, hinge: kind.into(), ..body() })
+        };
+        assert_eq!(hung(2.0 * 2.0 * 2.0 / 12.0, "revolute").len(), 1);
+        for kind in ["revolute", "prismatic", "fixed"] {
+            let Form::Capsule { length, .. } = hung(1e-3, kind)[1].form else { panic!("no rod: {kind}") };
+            assert!((length - 1.0).abs() < 1e-12, "{length}");
+        }
+        assert_eq!(hung(1e-3, "free").len(), 1);
     }
 
     #[test]
