@@ -7,7 +7,9 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// A line on standard output. A reader that went away is no error of ours; a full disk is one.
@@ -51,7 +53,13 @@ pub(super) fn was_lost() -> bool {
 
 /// A line on standard error.
 pub(super) fn note(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", visible(text));
+    let write = || {
+        let _ = writeln!(std::io::stderr().lock(), "{}", visible(text));
+    };
+    match WORK.lock().unwrap_or_else(PoisonError::into_inner).as_ref() {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
 }
 
 /// A text as it may be shown on a terminal. Titles and names come from files, and their control characters would be obeyed
@@ -232,6 +240,50 @@ fn set_when_interrupted(flag: &Arc<AtomicBool>) -> anyhow::Result<()> {
             std::process::exit(INTERRUPTED);
         }
     })?)
+}
+
+/// What is being worked on, while a line on standard error says so.
+static WORK: Mutex<Option<ProgressBar>> = Mutex::new(None);
+/// Work that takes no longer is done before anybody asks what goes on.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Says on standard error, when that is a terminal, what is being done and for how long, if it takes long: of work whose end nobody knows.
+pub(super) struct Work {
+    /// Dropped when the work is done.
+    done: Option<Sender<()>>,
+    teller: Option<JoinHandle<()>>,
+}
+
+impl Work {
+    pub(super) fn new(what: String, quiet: bool) -> Self {
+        if quiet || !std::io::stderr().is_terminal() {
+            return Self { done: None, teller: None };
+        }
+        let (done, waits) = channel();
+        let tell = move || {
+            if waits.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
+            let bar = ProgressBar::new_spinner().with_message(visible(&what).into_owned()).with_elapsed(PATIENCE);
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(Duration::from_millis(100));
+            *WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+            let _ = waits.recv();
+            *WORK.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            bar.finish_and_clear();
+        };
+        Self { done: Some(done), teller: Some(std::thread::spawn(tell)) }
+    }
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        drop(self.done.take());
+        // It has nothing to fail at.
+        let _ = self.teller.take().map(JoinHandle::join);
+    }
 }
 
 /// Simulated time against the end, on standard error when that is a terminal.

@@ -173,6 +173,8 @@ pub(super) fn sample(footage: &Footage, at: Option<f64>, quiet: bool) -> anyhow:
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let encode = pixels::by_name(&arguments.out)?;
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
+    let what = format!("drawing {}", arguments.recording.display());
+    let work = output::Work::new(what, arguments.quiet || arguments.json);
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let shown = sample(&footage, arguments.at, arguments.quiet)?;
     let first = sample(&footage, None, arguments.quiet)?;
@@ -200,6 +202,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let [width, height] = arguments.looks.size();
     let frame = Frame::new(&drawing, [&shown.bodies[..]], arguments.looks.camera(), [width, height]);
     output::save(&arguments.out, &encode(svg(&drawing, &shown.bodies, &frame))?)?;
+    drop(work);
     let file = arguments.out.display();
     if arguments.json {
         let said = json!({ "picture": file.to_string(), "time": shown.time, "width": width, "height": height, "parts": drawing.parts.len() });

@@ -7,7 +7,7 @@ mod tables;
 pub(super) mod words;
 
 use super::inputs::Inputs;
-use super::output::Interrupt;
+use super::output::{Interrupt, Work};
 use super::{Common, Exit, output};
 use anyhow::bail;
 use clap::Args;
@@ -56,7 +56,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Err(exit) => return Ok(exit),
     };
     material.called.clone_from(&arguments.called);
-    let page = write(&material, &arguments.out)?;
+    let page = {
+        let _work = arguments.work("writing", &arguments.out);
+        write(&material, &arguments.out)?
+    };
     if !arguments.quiet {
         page.notes.iter().for_each(|note| output::note(note));
     }
@@ -80,6 +83,10 @@ pub(super) fn write(material: &Material, file: &Path) -> anyhow::Result<page::Pa
 }
 
 impl Arguments {
+    fn work(&self, what: &str, file: &Path) -> Work {
+        Work::new(format!("{what} {}", file.display()), self.quiet || self.json)
+    }
+
     fn gather(&self) -> anyhow::Result<Result<Material, Exit>> {
         let is_recording =
             |path: &Path| path.extension().is_some_and(|extension| extension == "mcap" || extension == "partial");
@@ -90,6 +97,7 @@ impl Arguments {
                     self.source.display()
                 );
             }
+            let _work = self.work("reading", &self.source);
             return Ok(Ok(Material::of_recording(&self.source, self.meshes, self.quiet)?));
         }
         let common =

@@ -2,6 +2,7 @@
 
 use super::inputs::Inputs;
 use super::number::{shown_digits, time};
+use super::output::Work;
 use super::{Exit, number, output, picture, samples};
 use crate::record::drawing::Extras;
 use crate::record::gltf::glb;
@@ -74,6 +75,7 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
             "`--reactions` cannot be saved as glTF: arrows that change are drawn by `picture` and by the viewer"
         );
     }
+    let work = Work::new(format!("drawing {}", arguments.recording.display()), arguments.quiet);
     let footage = Footage::open(&arguments.recording, arguments.meshes)?;
     samples::warn_if_cut(&footage.recording, false);
     let first = picture::sample(&footage, arguments.at, arguments.quiet)?;
@@ -84,6 +86,7 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
     let clips = if arguments.at.is_some() { Vec::new() } else { footage.clips()? };
     let written = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);
     output::save(file, &written.bytes)?;
+    drop(work);
     if !arguments.quiet {
         footage.notes.iter().chain(&drawing.notes).for_each(|note| output::warning(note));
         let frames = clips.iter().map(|clip| clip.times.len()).sum::<usize>().max(1);
@@ -102,6 +105,7 @@ fn save(arguments: &Arguments, file: &Path, wishes: &Wishes) -> anyhow::Result<S
     Inputs::new([arguments.recording.as_path()]).spare(file)?;
     let context = || format!("cannot write `{}`", file.display());
     let mut whole = WholeFile::create(file).with_context(context)?;
+    let _work = Work::new(format!("drawing {}", arguments.recording.display()), arguments.quiet);
     let shown = match view(&arguments.recording, &Sink::Save(whole.path().to_owned()), wishes) {
         Ok(shown) => shown,
         Err(error @ RecordError::View { .. }) => {

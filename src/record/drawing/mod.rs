@@ -3,8 +3,8 @@
 //! Pictures, films, glTF files and reports are made of this one list, so that they show the same. The Rerun viewer has solids and lines of
 //! its own; it shares the solids (`solids.rs`) of bodies, the room that they take and the radii of coils.
 //!
-//! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia, on a rod if that is off its hinge; if other bodies have shapes, a
-//!   body without shape, points and inertia is not drawn.
+//! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia, on a rod if that is off its
+//!   hinge; if other bodies have shapes, a body without shape, points and inertia is not drawn.
 //! - Beams are their sections along the centre line, coloured by what they bear ([`Drawing::shaded`]).
 //! - Springs are coils, dampers cylinders with a piston rod, ropes and rods thin cylinders between their points, curves that bodies are
 //!   guided along are wires.
