@@ -95,8 +95,8 @@ pub(super) fn none_named(tables: &[Table], file: &str) -> anyhow::Error {
     }
     let column = tables().next().map_or("energy", |table| table.columns[0].name.as_str());
     anyhow!(
-        "{text}\nhint: `stillpoint plot {file} {column}` plots a column, or the name of a channel all of it; `stillpoint info --json {file}` \
-         lists all"
+        "{text}\nhint: `stillpoint plot {file} {column}` plots a column, the name of a channel in its place all of it; `stillpoint info \
+         --json` lists all"
     )
 }
 
@@ -108,14 +108,14 @@ const WIDE: usize = 100;
 /// A list in lines, below each other where the first begins.
 fn wrapped(list: &str) -> String {
     let (mut text, mut width) = (String::new(), 0);
-    for word in list.split_inclusive(' ') {
-        let length = word.chars().count();
+    for name in list.split_inclusive(", ") {
+        let length = name.chars().count();
         if width > 0 && width + length > WIDE {
             text.truncate(text.trim_end().len());
             text += &format!("\n  {:<12} ", "");
             width = 0;
         }
-        text += word;
+        text += name;
         width += length;
     }
     text

@@ -6,7 +6,7 @@ use super::Scene;
 use super::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::element::section::Section;
 use crate::element::{Rod, RodSection};
-use crate::round_off::SHOWN;
+use crate::round_off::BEAM_LOAD;
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Isometry3, Matrix6, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
 
@@ -133,7 +133,7 @@ impl Tubes {
     /// Forces and moments (N, N m), zero for those that are round-off of the scene's.
     fn without_noise(&self, mut forces: Vector6<f64>) -> Vector6<f64> {
         for first in [0, 3] {
-            if SHOWN.hides(forces.fixed_rows::<3>(first).norm(), self.force) {
+            if BEAM_LOAD.hides(forces.fixed_rows::<3>(first).norm(), self.force) {
                 forces.fixed_rows_mut::<3>(first).fill(0.0);
             }
         }
