@@ -61,8 +61,8 @@ impl Drawing {
         sweep.first - self.scene.bodies.len()
     }
 
-    /// Colours the beams by what their cross sections bear, as [`Tubes::loads`] says; `most` has the darkest colour, and the legend shows so many digits
-    /// of it. Nothing is coloured if nothing is borne.
+    /// Colours the beams by what their cross sections bear, as [`Tubes::loads`] says; `most` has the darkest colour, and the legend shows so
+    /// many digits of it. Nothing is coloured if nothing is borne.
     pub fn shaded(mut self, loads: &[f64], most: f64, digits: usize) -> Self {
         let tubes = Tubes::new(&self.scene);
         self.legend = Legend::new(&tubes, most, digits);
