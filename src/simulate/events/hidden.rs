@@ -9,10 +9,10 @@
 //! A stretch in which that holds the value is halved, until the expression rises or falls through it all the way, as its rates at some places
 //! on the cubics say, or nothing is left of it.
 //!
-//! Of two numbers that loops or gears tie to each other (2) knows nothing: `a − 2 b` is anything that the one may be less anything that the other
-//! may. Such an expression stays where it is if it does at both ends and in the middle, to what rounding makes of it (`noise.rs`) and with rates that say so,
-//! and is at some places on the cubics no further off than these are in the middle. All that (2) allows it has to come from what these numbers
-//! change it by one by one, so that nothing is left for a pulse.
+//! Of two numbers that loops or gears tie to each other (2) knows nothing: `a − 2 b` is anything that the one may be less anything that the
+//! other may. Such an expression stays where it is if it does at both ends and in the middle, to what rounding makes of it (`noise.rs`) and
+//! with rates that say so, and is at some places on the cubics no further off than these are in the middle. All that (2) allows it has to
+//! come from what these numbers change it by one by one, so that nothing is left for a pulse.
 
 use super::Events;
 use super::noise::{Noise, expressions};
@@ -38,8 +38,9 @@ const SHOWN: f64 = 1e-3;
 /// of degree 4 somewhat further on.
 const BESIDE: f64 = 2.0;
 
-/// What (2) allows beyond the sum of what numbers change an expression by one by one, as it bends.
-const BENDS: f64 = 1.05;
+/// A pulse of what is held where it is is seen if it is higher than so many times what rounding makes of that. What (2) allows an expression beyond
+/// the sum of what numbers change it by one by one is that, or what the expression bends by.
+const LOW: f64 = 1e6;
 
 /// All outputs at one time within a step; not a number where they, or their rates, are not known.
 #[derive(Debug, Default)]
@@ -143,7 +144,7 @@ impl Hidden {
             let [begin, end] = [&*left, &*right].map(|seen| seen.rates[number] * (right.time - left.time));
             let all = [right.values[number] - left.values[number], begin, end];
             let [low, high] = ranges[number + 1];
-            all.iter().all(|way| way.abs() <= noise) && high - low <= BENDS * self.one_by_one(number)
+            all.iter().all(|way| way.abs() <= noise) && high - low <= self.one_by_one(number) + LOW * noise
         });
         self.suspects = suspects;
         may

@@ -22,7 +22,8 @@ pub(super) struct Noise {
     sizes: Vec<f64>,
     /// All expressions, those first that others follow from.
     expressions: Vec<(usize, Formula)>,
-    /// Of the time, and of the numbers of all outputs.
+    /// The time and the values that were asked about last, and what rounding makes of them.
+    seen: Vec<f64>,
     ranges: Vec<[f64; 2]>,
 }
 
@@ -42,6 +43,7 @@ impl Noise {
             length,
             sizes: model.outputs.iter().flat_map(|output| &output.units).map(size).collect(),
             expressions: expressions(model),
+            seen: Vec::new(),
             ranges: Vec::new(),
         }
     }
@@ -53,7 +55,19 @@ impl Noise {
 
     /// Of one of the numbers of all outputs, whose values at a time (s) these are; 0 where (2) does not end.
     pub(super) fn of_number(&mut self, number: usize, time: f64, values: &[f64]) -> f64 {
-        let Self { part, sizes, expressions, ranges, .. } = self;
+        if self.seen.split_first() != Some((&time, values)) {
+            self.spread(time, values);
+        }
+        let (Some([low, high]), Some(x)) = (self.ranges.get(number + 1), values.get(number)) else { return 0.0 };
+        Some((high - x).max(x - low)).filter(|noise| noise.is_finite()).unwrap_or(0.0)
+    }
+
+    /// What rounding makes of the time and of all numbers.
+    fn spread(&mut self, time: f64, values: &[f64]) {
+        let Self { part, sizes, expressions, seen, ranges, .. } = self;
+        seen.clear();
+        seen.push(time);
+        seen.extend_from_slice(values);
         let about = |x: f64, size: f64| [x - part.of(x.abs().max(size)), x + part.of(x.abs().max(size))];
         ranges.clear();
         ranges.push([time; 2]);
@@ -61,8 +75,6 @@ impl Noise {
         for (at, formula) in expressions.iter() {
             ranges[*at + 1] = formula.range(ranges);
         }
-        let (Some([low, high]), Some(x)) = (ranges.get(number + 1), values.get(number)) else { return 0.0 };
-        Some((high - x).max(x - low)).filter(|noise| noise.is_finite()).unwrap_or(0.0)
     }
 }
 

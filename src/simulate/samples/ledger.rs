@@ -9,7 +9,7 @@
 //! of steps that an event ends before their last stage, the powers along the interpolant are integrated by a Gauss rule.
 //!
 //! What a drive moves may turn far within a step, see `driven.rs`: where powers change with that by more than either rule sees, the step is
-//! taken in pieces of half a radian.
+//! taken in pieces of half a radian along its interpolant.
 
 use super::driven::{Driven, missed};
 use crate::dynamics::{Energies, Powers};
@@ -41,6 +41,8 @@ const SHORT_PIECE: f64 = 0.1;
 const MOST_PIECES: f64 = 65_536.0;
 /// What a rule may miss of the waves of what is driven, as part of the largest energy: about its rounding.
 const MISSED: f64 = 1e-14;
+/// Both ways to integrate differ by no more than so many times what the stages miss of a wave, whose height a few powers show in part.
+const EXPLAINED: f64 = 4.0;
 
 /// Energies of a run so far.
 #[derive(Debug, Clone)]
@@ -161,37 +163,52 @@ impl Ledger {
         }
         // Compliant stops take power out in bursts: of parts of a step a few stages know it only with either sign.
         let is_steady = self.undisturbed && motion.model().stops.is_empty();
-        let allowed = MISSED * self.largest;
-        if is_steady && self.stages.evaluate(motion, stepper, &self.driven) {
-            let (powers, missed) = self.stages.integral(stepper, [from, until]);
-            if !(missed > allowed) {
-                self.book(powers);
-                return Ok(());
+        let by_stages = (is_steady && self.stages.evaluate(motion, stepper, &self.driven))
+            .then(|| self.stages.integral(stepper, [from, until]));
+        let found = match by_stages {
+            None => self.in_pieces(motion, stepper, state, [from, until])?.0,
+            Some((powers, unseen)) if !(unseen * self.stages.waves.height() > MISSED * self.largest) => powers,
+            Some((powers, unseen)) => {
+                let (along, waves) = self.in_pieces(motion, stepper, state, [from, until])?;
+                let apart = (along.input - powers.input).abs() + (along.dissipated - powers.dissipated).abs();
+                let explained = EXPLAINED * unseen * waves.height().max(self.stages.waves.height());
+                // What is further apart than waves explain is what the interpolant makes of stiff forces.
+                if apart > explained { powers } else { along }
             }
-        }
-        let is_part = length < 0.5 * (stepper.time() - stepper.previous_time());
-        let (rule, piece) = if is_part { (&PART[..], SHORT_PIECE) } else { (&WHOLE[..], PIECE) };
-        let (powers, waves) = self.along(motion, stepper, state, [from, until], rule)?;
-        let turn = waves.rate * length;
-        if !(turn > piece && waves.height() * length > allowed) {
-            self.book(powers);
-            return Ok(());
-        }
-        let pieces = (turn / PIECE).ceil().min(MOST_PIECES);
-        let end = |k: u32| from + length * f64::from(k) / pieces;
-        for k in 0..pieces as u32 {
-            let (powers, _) = self.along(motion, stepper, state, [end(k), end(k + 1)], &WHOLE)?;
-            self.book(powers);
-        }
+        };
+        self.work += found.input;
+        self.dissipated += found.dissipated;
         Ok(())
     }
 
-    fn book(&mut self, Powers { input, dissipated }: Powers) {
-        self.work += input;
-        self.dissipated += dissipated;
+    /// What powers along the interpolant come to (J), in pieces where what is driven turns far, and what they are there.
+    fn in_pieces(
+        &self,
+        motion: &mut Equations,
+        stepper: &mut dyn Stepper<Equations>,
+        state: &mut State,
+        [from, until]: [f64; 2],
+    ) -> Result<(Powers, Waves), RunError> {
+        let (length, mut waves) = (until - from, Waves::default());
+        let is_part = length < 0.5 * (stepper.time() - stepper.previous_time());
+        let (rule, piece) = if is_part { (&PART[..], SHORT_PIECE) } else { (&WHOLE[..], PIECE) };
+        let powers = self.along(motion, stepper, state, [from, until], rule, &mut waves)?;
+        let turn = waves.rate * length;
+        if !(turn > piece && waves.height() * length > MISSED * self.largest) {
+            return Ok((powers, waves));
+        }
+        let pieces = (turn / PIECE).ceil().min(MOST_PIECES);
+        let end = |k: u32| from + length * f64::from(k) / pieces;
+        let mut sum = Powers::default();
+        for k in 0..pieces as u32 {
+            let powers = self.along(motion, stepper, state, [end(k), end(k + 1)], &WHOLE, &mut waves)?;
+            sum.input += powers.input;
+            sum.dissipated += powers.dissipated;
+        }
+        Ok((sum, waves))
     }
 
-    /// What the powers along the interpolant come to by a rule (J), and what they are there.
+    /// What the powers along the interpolant come to by a rule (J); what they are there is taken note of.
     fn along(
         &self,
         motion: &mut Equations,
@@ -199,8 +216,9 @@ impl Ledger {
         state: &mut State,
         [from, until]: [f64; 2],
         rule: &[(f64, f64)],
-    ) -> Result<(Powers, Waves), RunError> {
-        let (length, mut sum, mut waves) = (until - from, Powers::default(), Waves::default());
+        waves: &mut Waves,
+    ) -> Result<Powers, RunError> {
+        let (length, mut sum) = (until - from, Powers::default());
         for (node, weight) in rule {
             let time = from + node * length;
             interpolate(motion, stepper, time, state)?;
@@ -209,7 +227,7 @@ impl Ledger {
             sum.input += weight * length * powers.input;
             sum.dissipated += weight * length * powers.dissipated;
         }
-        Ok((sum, waves))
+        Ok(sum)
     }
 
     /// Energy that springs of contact hold from the start (J).
@@ -286,7 +304,7 @@ impl StagePowers {
         true
     }
 
-    /// What they come to between two times within the step (J), and what they may miss of the waves of what is driven (J).
+    /// What they come to between two times within the step (J), and what they miss of the waves of what is driven, per height of these powers (s).
     fn integral(&self, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> (Powers, f64) {
         let mut sum = Powers::default();
         let Some(stages) = stepper.stages() else { return (sum, 0.0) };
@@ -298,9 +316,13 @@ impl StagePowers {
             sum.input += length * weight(i) * powers.input;
             sum.dissipated += length * weight(i) * powers.dissipated;
         }
+        let turn = self.waves.rate * length;
+        if turn == 0.0 {
+            return (sum, 0.0);
+        }
         let rule = (0..self.powers.len()).map(|i| (stages.node(i), weight(i)));
-        let missed = missed(rule, parts, self.waves.rate * length);
-        (sum, missed * length * self.waves.height())
+        // Over less than a radian powers show a part of a wave's height.
+        (sum, missed(rule, parts, turn) * length / turn.min(1.0))
     }
 }
 

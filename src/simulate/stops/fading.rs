@@ -4,11 +4,12 @@
 //! flight between two impacts, and less of it the shorter that is:
 //!
 //! ```text
-//! (1)  t = 2 u / a,   E⁺ = E⁻ (1 − t D / T)      D what dampers take from the motion of a rebound, T its energy
+//! (1)  t = 2 u / a,   E⁺ = E⁻ (1 − t D / 3 T)
 //! ```
 //!
-//! so that the rises fade as `exp(−D t / T)` and the impacts become ever more within the same time: a million of them until a rise is that
-//! of rounding. A place is known to the tolerance of the run, and a rise that is below it and gets lower is none.
+//! with `D` what dampers take from the motion of a rebound and `T` its energy; the square of a speed is a third of that at the start in the mean.
+//! Rises fade as `exp(−D t / 3 T)`, and impacts become ever more within the same time: a million of them until a rise is that of rounding. A
+//! place is known to the tolerance of the run, and a rise that is below it and gets lower is none.
 
 use super::instant::{Instant, Of};
 
@@ -34,8 +35,8 @@ impl Instant<'_> {
     pub(super) fn fades(&self, row: usize, speed: f64) -> bool {
         let Of::Stop(side) = self.rows[row] else { return false };
         let (fading, inward) = (self.fading[row], self.inward(row));
-        // Of the speed: half of what is lost of the energy in the flight.
-        let lost = fading * speed / inward;
+        // Of the speed: half of what (1) takes of the energy.
+        let lost = fading * speed / (3.0 * inward);
         // Less than the tolerance in the scene's own time is no damping that a run could tell from none.
         let is_damped = fading * self.motion.model().time_scale() > self.tolerance;
         let rise = 0.5 * speed * speed / inward;

@@ -15,8 +15,8 @@ fn ran(text: &str) -> Summary {
 
 /// Two wheels whose gear closes once their gap is gone, and where that is watched: at the gap, or some way beside it.
 fn wheels(random: &mut Random, when: Option<f64>) -> (String, f64) {
-    let (ratio, gap, rate) = (random.between(0.5, 3.0), random.between(0.5, 3.0), random.between(1.0, 3.0));
-    let beside = [0.0, -1e-10, 1e-7][random.below(3)];
+    let (ratio, gap, rate) = (random.between(0.5, 3.0), random.between(0.3, 1.5), random.between(1.0, 3.0));
+    let beside = [0.0, -1e-10, 3e-11][random.below(3)];
     let come =
         when.map_or_else(|| "when = { event = \"mesh\" }".to_owned(), |time| format!("when = {{ time = {time:?} }}"));
     let text = format!(
@@ -85,7 +85,11 @@ fn a_tug_docks_once() {
         assert!(touches <= 1, "case {case}: {touches} crossings");
         let lost = 0.5 * heavy * light / (heavy + light) * speed * speed;
         assert!((found.dissipated - lost).abs() < 1e-9 * lost, "case {case}: {} J, not {lost} J", found.dissipated);
-        assert!(found.statistics.acceleration_evaluations < 2000, "case {case}: {}", found.statistics.acceleration_evaluations);
+        assert!(
+            found.statistics.acceleration_evaluations < 2000,
+            "case {case}: {}",
+            found.statistics.acceleration_evaluations
+        );
     }
 }
 
@@ -115,7 +119,8 @@ fn what_was_welded_is_latched_again() {
             8.0 / pace
         );
         let found = ran(&text);
-        let told: Vec<(&str, f64)> = found.events.iter().map(|event| (event.name.as_str(), event.time)).collect();
+        let stages = found.events.iter().filter(|event| event.kind == Kind::Stage);
+        let told: Vec<(&str, f64)> = stages.map(|event| (event.name.as_str(), event.time)).collect();
         let [("out", _), ("back", back)] = told[..] else { panic!("case {case}: {told:?}") };
         let speed = push / ship / pace * ((pace * back).sin() - phase.sin());
         let lost = 0.5 * ship * pod / (ship + pod) * speed * speed;
