@@ -137,7 +137,7 @@ impl Simulator {
         all
     }
 
-    /// What has happened so far: dictionaries with `time`, `kind`, `name`, `value`, `speed`.
+    /// What has happened so far: dictionaries with `time`, `kind`, `name`, `value`, its `unit`, `speed`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let of_event = |event: &simulate::events::Occurrence| {
@@ -146,6 +146,7 @@ impl Simulator {
             all.set_item("kind", event.kind.name())?;
             all.set_item("name", &event.name)?;
             all.set_item("value", event.value)?;
+            all.set_item("unit", &event.unit)?;
             all.set_item("speed", event.speed)?;
             Ok(all)
         };

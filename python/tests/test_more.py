@@ -155,6 +155,16 @@ def test_to_where_it_is_a_simulator_has_no_way_to_go():
     assert simulator.time == 0.5 and abs(simulator.q[0] - held(0.3, 0, 3.0, 0.5)[0]) < 1e-8
 
 
+def test_stepping_by_hand_goes_on_as_contacts_do():
+    """What bounces, is captured, or rests on feet is stepped through as a run goes, through pickles as well."""
+    for name, until, step in [("contact/coin", 0.6, 0.05), ("contact/dropped_arm", 0.6, 0.1), ("contact/rubber_feet", 1.0, 0.1)]:
+        simulator = stillpoint.load(SCENARIOS / f"{name}.toml").simulator()
+        for k in range(1, round(until / step) + 1):
+            simulator.advance(k * step)
+            simulator.restore(pickle.loads(pickle.dumps(simulator.state())))
+    assert [event["kind"] for event in simulator.events] == ["strikes"]
+
+
 def test_stepping_by_hand_meets_stops():
     body = {"name": "ball", "mass": 1.0, "hinge": {"type": "prismatic", "axis": [0, 0, 1], "position": 1.0, "limits": {"low": 0.0, "restitution": 0.5}}}
     scene = stillpoint.describe(body=[body], simulate={"start": "given", "duration": 2.0, "tolerance": 1e-10})

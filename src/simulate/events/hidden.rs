@@ -60,7 +60,7 @@ pub(super) struct Hidden {
     left: Seen,
     middle: Seen,
     right: Seen,
-    /// Those that may cross their values between left and right.
+    /// Which of them may cross their values between left and right.
     suspects: Vec<usize>,
     /// Of the time, and of the numbers of all outputs: ranges, and values and rates at one place.
     ranges: Vec<[f64; 2]>,

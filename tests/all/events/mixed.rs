@@ -104,8 +104,8 @@ fn late_impacts_are_as_exact_as_early_ones() {
     }
 }
 
-/// A ball that gets all of its speed back, on a hinge with a damper and on one without: that one rises for ever to where it was let go; the other fades
-/// as `exp(−2/3 c/m t)`, and is at rest once it rises by less than the tolerance, a few hundred impacts later.
+/// A ball that gets all of its speed back, on a hinge with a damper and on one without: without one it rises for ever to where it was let go; beside
+/// one its rises fade as `exp(−2/3 c/m t)`, and it is at rest once they are below the tolerance, some hundred or thousand impacts later.
 #[test]
 fn what_only_a_damper_ends_comes_to_rest() {
     for (method, height) in [("dop853", 0.1), ("radau9", 0.02), ("dopri5", 0.05)] {

@@ -66,7 +66,8 @@ fn a_tug_docks_once() {
         let direction = ["up", "both"][case % 2];
         let text = format!(
             "gravity = [0, 0, 0]\n[simulate]\nstart = \"given\"\nduration = {:?}\ntolerance = 1e-11\n\
-             [[body]]\nname = \"station\"\nmass = {heavy:?}\ninertia = [9, 30, 30]\nmarkers = {{ port = [-2, 0, 0] }}\nhinge = {{ type = \"free\" }}\n\
+             [[body]]\nname = \"station\"\nmass = {heavy:?}\ninertia = [9, 30, 30]\nmarkers = {{ port = [-2, 0, 0] }}\n\
+             hinge = {{ type = \"free\" }}\n\
              [[body]]\nname = \"tug\"\nmass = {light:?}\ninertia = [0.9, 2, 2]\nmarkers = {{ port = [1.5, 0, 0] }}\n\
              hinge = {{ type = \"free\", position = [{:?}, 0, 0, 1, 0, 0, 0], velocity = [{speed:?}, 0, 0, 0, 0, 0] }}\n\
              [[loop]]\nname = \"latches\"\ntype = \"fixed\"\nbetween = [\"station.port\", \"tug.port\"]\n\
