@@ -43,6 +43,8 @@ const MOST_PIECES: f64 = 65_536.0;
 const MISSED: f64 = 1e-14;
 /// Both ways to integrate differ by no more than so many times what the stages miss of a wave, whose height a few powers show in part.
 const EXPLAINED: f64 = 4.0;
+/// Over a further turn in a step (rad) a few stages say nothing of a wave, nor of what they miss of it.
+const FAR: f64 = 2.0;
 
 /// Energies of a run so far.
 #[derive(Debug, Clone)]
@@ -173,7 +175,7 @@ impl Ledger {
                 let apart = (along.input - powers.input).abs() + (along.dissipated - powers.dissipated).abs();
                 let explained = EXPLAINED * unseen * waves.height().max(self.stages.waves.height());
                 // What is further apart than waves explain is what the interpolant makes of stiff forces.
-                if apart > explained { powers } else { along }
+                if apart > explained && self.stages.turn() < FAR { powers } else { along }
             }
         };
         self.work += found.input;
@@ -304,6 +306,11 @@ impl StagePowers {
         true
     }
 
+    /// How far what is driven turns in the step (rad).
+    fn turn(&self) -> f64 {
+        self.waves.rate * (self.step[1] - self.step[0])
+    }
+
     /// What they come to between two times within the step (J), and what they miss of the waves of what is driven, per height of these powers (s).
     fn integral(&self, stepper: &dyn Stepper<Equations>, [from, until]: [f64; 2]) -> (Powers, f64) {
         let mut sum = Powers::default();
@@ -316,13 +323,14 @@ impl StagePowers {
             sum.input += length * weight(i) * powers.input;
             sum.dissipated += length * weight(i) * powers.dissipated;
         }
-        let turn = self.waves.rate * length;
+        let turn = self.turn();
         if turn == 0.0 {
             return (sum, 0.0);
         }
         let rule = (0..self.powers.len()).map(|i| (stages.node(i), weight(i)));
         // Over less than a radian powers show a part of a wave's height.
-        (sum, missed(rule, parts, turn) * length / turn.min(1.0))
+        let missed = if turn < FAR { missed(rule, parts, turn) } else { 1.0 };
+        (sum, missed * length / turn.min(1.0))
     }
 }
 
