@@ -1,6 +1,6 @@
 //! Input that nobody meant to write: every answer is an error or a result, never a panic, and never wrong numbers.
 //!
-//! A few hundred cases with a fixed seed belong to the tests; `ROBUST_CASES=100000` looks longer, with another seed each
+//! A thousand cases of each kind with a fixed seed belong to the tests; `ROBUST_CASES=100000` looks longer, with another seed each
 //! time.
 
 mod budgets;

@@ -46,7 +46,7 @@ fn answered(text: String) {
 
 #[test]
 fn damaged_robots_are_answered() {
-    let (cases, mut random) = Random::for_mutations(300, 11);
+    let (cases, mut random) = Random::for_mutations(1000, 11);
     for case in 0..cases {
         let mut text = ROBOTS[case % 2].to_owned();
         for _ in 0..1 + random.below(3) {
@@ -76,7 +76,7 @@ fn damaged_robots_are_answered() {
 /// A word of the file for another one: names, numbers and types that do not belong there.
 #[test]
 fn swapped_words_are_answered() {
-    let (cases, mut random) = Random::for_mutations(200, 12);
+    let (cases, mut random) = Random::for_mutations(1000, 12);
     for case in 0..cases {
         let text = ROBOTS[case % 2];
         let mut words: Vec<&str> = text.split('"').collect();

@@ -64,7 +64,7 @@ fn mutated(random: &mut Random, text: &str) -> String {
 #[test]
 fn no_mutation_of_a_model_panics() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/mjcf");
-    let (cases, mut random) = Random::for_mutations(240, 26);
+    let (cases, mut random) = Random::for_mutations(1000, 26);
     let (mut fine, mut refused) = (0, 0);
     for round in 0..cases {
         let (name, text) = MODELS[round % MODELS.len()];

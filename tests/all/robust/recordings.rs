@@ -70,7 +70,7 @@ fn a_damaged_recording_gives_no_wrong_numbers() {
     record(&whole, &motion, 0.1);
     let bytes = std::fs::read(&whole).expect("read");
     let all: Vec<OwnedSample> = Motion::times(0.1).map(|time| motion.at(time)).collect();
-    each(200, edits(4000, WORDS), |edits| {
+    each(1000, edits(4000, WORDS), |edits| {
         let mut bytes = bytes.clone();
         edits.iter().for_each(|edit| edit.apply(&mut bytes));
         std::fs::write(&path, bytes).expect("written");
@@ -83,7 +83,7 @@ fn any_bytes_are_an_answer() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("file.mcap");
     let start = prop_oneof![Just(Vec::new()), Just(b"\x89MCAP0\r\n".to_vec())];
-    each(200, (start, proptest::collection::vec(any::<u8>(), 0..400)), |(mut bytes, rest)| {
+    each(1000, (start, proptest::collection::vec(any::<u8>(), 0..400)), |(mut bytes, rest)| {
         bytes.extend(rest);
         std::fs::write(&path, bytes).expect("written");
         prop_assert!(Recording::open(&path).is_err());

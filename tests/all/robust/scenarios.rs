@@ -99,7 +99,7 @@ fn is_small(text: &str) -> bool {
 #[test]
 fn a_damaged_scenario_is_an_error_with_a_place_or_a_scenario() {
     let strategy = (proptest::sample::select(shipped()), edits(200, WORDS));
-    each(300, strategy, |(text, edits)| {
+    each(1000, strategy, |(text, edits)| {
         let mut bytes = text.into_bytes();
         edits.iter().for_each(|edit| edit.apply(&mut bytes));
         let text = String::from_utf8_lossy(&bytes);
@@ -119,7 +119,7 @@ fn a_damaged_scenario_is_an_error_with_a_place_or_a_scenario() {
 
 #[test]
 fn any_text_is_an_answer() {
-    each(300, ".{0,200}", |text| {
+    each(1000, ".{0,200}", |text| {
         if let Err(problems) = scenario::parse("scene.toml", &text, &[]) {
             prop_assert!(!problems.render(true).is_empty());
         }
@@ -160,7 +160,7 @@ fn any_override_is_an_answer() {
             .prop_map(str::to_owned),
         ".{0,12}",
     ];
-    each(300, (proptest::collection::vec(word, 1..4), value), |(path, value)| {
+    each(1000, (proptest::collection::vec(word, 1..4), value), |(path, value)| {
         let Ok(change) = Override::parse(&format!("{}={value}", path.join("."))) else { return Ok(()) };
         if let Err(problems) = scenario::parse("four_bar.toml", &text, &[change]) {
             prop_assert!(problems.errors() > 0 && problems.render(false).contains("error"));
