@@ -45,7 +45,7 @@ pub(super) struct Line {
     pub(super) unit: String,
     /// Which of the recordings, which of its columns: the dashes and the colour.
     pub(super) file: usize,
-    pub(super) color: usize,
+    pub(super) column: usize,
     /// Time (s), or what stands along x, and value.
     pub(super) points: Vec<(f64, f64)>,
 }
@@ -138,9 +138,9 @@ fn read(
     let mut lines: Vec<Line> = places
         .iter()
         .enumerate()
-        .map(|(color, place)| Line {
+        .map(|(column, place)| Line {
             file,
-            color,
+            column,
             label: match before {
                 Some(file) => format!("{file}: {}", place.column.name),
                 None => place.column.name.clone(),

@@ -7,6 +7,7 @@ use super::Line;
 use crate::round_off::SHOWN;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use std::collections::BTreeSet;
 
 /// Width, and height of a panel (pixels).
 const WIDTH: u32 = 1120;
@@ -128,6 +129,12 @@ impl Panel<'_> {
         frame::beside(&up, (&quantity(&self.lines, self.unit), &|y| tick(*y, self.values)))
     }
 
+    /// Which of the panel's columns a line shows: those of several recordings look alike.
+    fn place(&self, line: &Line) -> usize {
+        let before = self.lines.iter().map(|other| other.column).filter(|other| *other < line.column);
+        before.collect::<BTreeSet<_>>().len()
+    }
+
     /// Draws the curves, and their names beside them.
     fn draw(&self, area: &Area<'_>, legend: &mut Legend<'_>, across: &str, theme: Theme) -> anyhow::Result<()> {
         let Self { unit, times, values, .. } = *self;
@@ -136,7 +143,7 @@ impl Panel<'_> {
         let mut chart = frame::linear(area, theme, (times, values), axes)?;
         for line in &self.lines {
             // Every recording after the first is nearer to the ink and has dashes of its own, so that curves that coincide are both seen.
-            let ((color, round), ink) = (theme.color(line.color), theme.ink());
+            let ((color, round), ink) = (theme.color(self.place(line)), theme.ink());
             let [red, green, blue] = [(color.0, ink.0), (color.1, ink.1), (color.2, ink.2)]
                 .map(|(a, b)| if line.file > 0 { a / 2 + b / 2 } else { a });
             let style = RGBColor(red, green, blue).stroke_width(px(17) / 10);

@@ -31,11 +31,11 @@ pub(super) fn curves(material: &Material) -> anyhow::Result<Vec<String>> {
             continue;
         }
         let mut lines: Vec<Line> = (shown.iter().enumerate())
-            .map(|(color, place)| Line {
+            .map(|(column, place)| Line {
                 label: place.column.name.clone(),
                 unit: place.column.unit.clone(),
                 file: 0,
-                color,
+                column,
                 points: Vec::with_capacity(material.samples.len()),
             })
             .collect();
