@@ -50,9 +50,9 @@ impl Held {
 }
 
 impl Mode {
-    /// Whether captured steps are at work.
-    pub(super) fn is_captured(&self) -> bool {
-        self.contacts.as_ref().is_some_and(ContactMode::is_captured)
+    /// Whether forces are those of captured steps: nothing is decided then where a run goes on.
+    pub(super) fn follows_steps(&self) -> bool {
+        self.contacts.as_ref().is_some_and(ContactMode::follows_steps)
     }
 
     /// Whether contacts were followed.

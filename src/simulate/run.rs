@@ -176,7 +176,7 @@ fn taken_up(
         touching::allow(motion, &model, settings)?;
     }
     motion.set_mode(begin, state, mode)?;
-    match mode.is_captured() {
+    match mode.follows_steps() {
         true => Ok(Outcome::default()),
         false => instant::resolve(motion, begin, state, settings.absolute_tolerance, None),
     }
@@ -282,7 +282,9 @@ impl<'m, 'f> Run<'m, 'f> {
             handed_back: None,
         };
         run.sampler.contacts = contacts;
-        run.touch_as(motion, begin, mode.is_some())?;
+        if !mode.is_some_and(|mode| mode.follows_steps()) {
+            run.touch_as(motion, begin, mode.is_some())?;
+        }
         if booked.is_none_or(|booked| !booked.has_run)
             && let Equations { contacts: Some(contacts), system, .. } = motion
         {

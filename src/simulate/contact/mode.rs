@@ -82,9 +82,9 @@ impl Contacts {
 }
 
 impl ContactMode {
-    /// Whether captured steps are at work.
-    pub(in crate::simulate) fn is_captured(&self) -> bool {
-        self.regime == Regime::Captured
+    /// Whether forces are those of captured steps, which are at work or have come to rest: they bear what stops and dry friction hold, too.
+    pub(in crate::simulate) fn follows_steps(&self) -> bool {
+        matches!(self.regime, Regime::Captured | Regime::Frozen)
     }
 
     /// What rests by the forces of captured steps is asked again whether it does.
