@@ -62,6 +62,7 @@ use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
 use nalgebra::Vector3;
 use shape::Shape;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A checked and compiled scene.
@@ -344,6 +345,34 @@ impl Model {
     /// What an output's number is measured in, by its place among the numbers of all outputs; `1` if it is a pure number.
     pub fn output_unit(&self, number: usize) -> &str {
         self.outputs.iter().flat_map(|output| &output.units).nth(number).map_or("1", String::as_str)
+    }
+
+    /// The shortest time in which a compliant stop turns what it carries around, but for a factor of π (s); infinite without such stops.
+    pub fn shortest_push(&self) -> f64 {
+        let stiffness = |stop: &Stop| match stop.law {
+            StopLaw::Compliant { stiffness, .. } => Some((stop.velocity, stiffness)),
+            StopLaw::Rigid { .. } => None,
+        };
+        let mut pushes = self.stops.iter().filter_map(stiffness).peekable();
+        if pushes.peek().is_none() {
+            return f64::INFINITY;
+        }
+        // Of every link with all that it carries.
+        let own = |link: &Link| [link.mass, self.bodies[link.body].extent()];
+        let mut carried = vec![[0.0, 0.0]];
+        carried.extend(self.links.iter().skip(1).map(own));
+        for at in (1..self.links.len()).rev() {
+            let ([mass, extent], parent) = (carried[at], &mut carried[self.links[at].parent]);
+            *parent = [parent[0] + mass, parent[1].max(extent)];
+        }
+        let scalar = self.links.iter().zip(carried).skip(1).filter(|(link, _)| link.joint.is_scalar());
+        let inertia: BTreeMap<usize, f64> = scalar
+            .map(|(link, [mass, extent])| {
+                (link.velocity, if link.joint.is_slide() { mass } else { mass * extent * extent })
+            })
+            .collect();
+        let times = pushes.filter_map(|(velocity, stiffness)| Some((inertia.get(&velocity)? / stiffness).sqrt()));
+        times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     /// The velocity coordinate of this [`label`](Self::label).

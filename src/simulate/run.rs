@@ -39,8 +39,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use steps::Ending;
 
-/// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms.
+/// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms...
 const FIXED_STEP: f64 = 0.01;
+/// ... nor above this part of the time in which a compliant stop turns something around: what methods of order 4 make of that is 1e-7 of its energy.
+const OF_A_PUSH: f64 = 0.05;
 
 /// An explicit method that cannot take longer steps is refused (s).
 const SHORTEST_USEFUL_STEP: f64 = 1e-9;
@@ -136,7 +138,7 @@ pub(super) fn run_one(
 
 /// The step of a fixed-step method; `None` for an adaptive one.
 fn fixed_step(model: &Model, settings: &Settings, method: Method) -> Option<f64> {
-    let default = || (FIXED_STEP * model.time_scale()).min(1e-3);
+    let default = || (FIXED_STEP * model.time_scale()).min(1e-3).min(OF_A_PUSH * model.shortest_push());
     method.needs_step().then(|| settings.step.unwrap_or_else(default))
 }
 
