@@ -29,6 +29,7 @@ use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::{Model, StopLaw, StopSide, Watched};
+use crate::round_off::WATCHED;
 use crate::simulate::contact::Aspect;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Equations;
@@ -244,8 +245,12 @@ impl Events {
                 Function::Breakaway(_) => false,
                 Function::Contact(_) => last[0] > -band,
                 Function::Law(boundary) => motion.system.side(boundary),
-                Function::User(_) => old.map_or_else(
-                    || if self.goes_on && last[0].abs() <= band { last[1] > 0.0 } else { last[0] > 0.0 },
+                // What the run before has found is at its value to the last digits; what is further off may be about to come.
+                Function::User(event) => old.map_or_else(
+                    || match self.goes_on && last[0].abs() <= WATCHED.of(model.events[event].value.abs().max(1.0)) {
+                        true => last[1] > 0.0,
+                        false => last[0] > 0.0,
+                    },
                     |watch| watch.positive,
                 ),
             };
@@ -489,13 +494,8 @@ impl Events {
             && self.counts(motion.model(), index)
         {
             self.move_to(motion, stepper, time)?;
-            let (speed, velocity) = (self.speed(motion, event, time), self.velocities[event]);
+            let (speed, unit) = (self.speed(motion, event, time), self.unit(motion.model(), event));
             let event = &motion.model().events[event];
-            let unit = match &event.of {
-                Watched::Position(_) => motion.model().coordinate_unit(velocity).to_owned(),
-                Watched::Point(..) => "m".to_owned(),
-                Watched::Output(number) => motion.model().output_unit(*number).to_owned(),
-            };
             let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
             self.happened.push(Occurrence { time, kind, name, value, unit, speed, between: None });
         }

@@ -60,7 +60,7 @@ impl Mode {
         self.contacts.is_some()
     }
 
-    /// The same where what acts may have changed: whether what rests does so is asked again.
+    /// Asks again whether what rests does so, as what acts may have changed.
     #[must_use]
     pub fn awake(mut self) -> Self {
         self.contacts.iter_mut().for_each(ContactMode::wake);

@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use crate::scenarios;
-use stillpoint::model::problem::number;
+use stillpoint::model::problem::rounded;
 use stillpoint::scenario::{load, parse};
 
 /// The warnings of a scene.
@@ -42,7 +42,7 @@ fn degrees_in_the_place_of_radians_are_told_with_their_conversion() {
         let keys = &keys[random.below(4)];
         let said = warnings(&hinge(kind, keys));
         assert_eq!(said.matches("warning:").count(), 1, "{keys}: {said}");
-        let conversion = format!("{degrees}° are {}; write \"{degrees} deg\"", number(degrees.to_radians()));
+        let conversion = format!("{degrees}° are {}; write \"{degrees} deg\"", rounded(degrees.to_radians()));
         assert!(said.contains("is more than a turn") && said.contains(&conversion), "{keys}: {said}");
         assert!(said.contains("scene.toml:6:"), "{said}");
         // What it proposes is silent, and so are radians within a turn and lengths of any size.

@@ -91,6 +91,16 @@ impl Events {
         }
     }
 
+    /// What the number of an event is measured in.
+    pub(super) fn unit(&self, model: &Model, event: usize) -> String {
+        match &model.events[event].of {
+            Watched::Position(_) => model.coordinate_unit(self.velocities[event]),
+            Watched::Point(..) => "m",
+            Watched::Output(number) => model.output_unit(*number),
+        }
+        .to_owned()
+    }
+
     /// What rounding makes of the number of an event at the state.
     pub(super) fn noise(&mut self, motion: &mut Equations, event: usize, time: f64) -> f64 {
         let model = &Arc::clone(motion.model());
