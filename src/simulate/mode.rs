@@ -217,5 +217,5 @@ impl Numbers<'_> {
 
 /// A whole number below 2³².
 fn count_of(x: f64) -> Option<usize> {
-    (x >= 0.0 && x < 4_294_967_296.0 && x.fract() == 0.0).then_some(x as usize)
+    ((0.0..4_294_967_296.0).contains(&x) && x.fract() == 0.0).then_some(x as usize)
 }
