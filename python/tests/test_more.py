@@ -643,7 +643,7 @@ def test_a_state_that_is_restored_goes_on_to_the_same_bits(integrator):
     with pytest.raises(TypeError, match="what `Simulator.state\\(\\)` gave"):
         simulator.restore(kept[:5])
     with pytest.raises(ValueError, match="no integrator is called `euler`"):
-        simulator.restore((*kept[:5], (kept[0], "euler", None, None)))
+        simulator.restore((*kept[:5], (kept[0], "euler", None, None, None)))
 
 
 def test_namesakes_have_derivatives_of_their_own():

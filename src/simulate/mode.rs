@@ -9,7 +9,7 @@
 //!
 //! On which side of its boundaries a spring, a rope or a formula is follows from the state.
 //!
-//! As a list of numbers it goes into files: `[`[`Mode::numbers`]`]`, read by [`Mode::of_numbers`].
+//! As a list of numbers it goes into files: [`Mode::numbers`], read by [`Mode::of_numbers`].
 
 use crate::dynamics::applied::Rubbing;
 use crate::model::{Model, Side, StopSide};
