@@ -26,7 +26,6 @@ pub(super) mod sweep;
 mod triangles;
 
 pub use place::{Part, Placement};
-pub(in crate::record) use shades::DIGITS;
 pub use shades::{Legend, shade};
 pub use triangles::Triangles;
 

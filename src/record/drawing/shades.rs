@@ -17,9 +17,6 @@ pub struct Legend {
     pub digits: usize,
 }
 
-/// Significant digits where nobody asks for others, as in reports.
-pub(in crate::record) const DIGITS: usize = 4;
-
 /// From nothing to the most: grey as steel, amber, red, dark. Lightness falls throughout, so that they are told from each other
 /// without seeing colours.
 const COLORS: [[f64; 3]; 5] =

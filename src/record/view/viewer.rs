@@ -12,8 +12,8 @@ use super::picture::Picture;
 use super::stream::Stream;
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
+use crate::record::drawing::Legend;
 use crate::record::drawing::bounds::{Bounds, Outline};
-use crate::record::drawing::{DIGITS, Legend};
 use crate::record::footage::holds_poses;
 use crate::record::meshes;
 use crate::record::solids::solids;
@@ -21,6 +21,9 @@ use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder,
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// Significant digits where nobody asks for others, as in reports.
+const DIGITS: usize = 4;
 
 /// A running picture is renewed this often, and less often by so much for every thing that moves: each renewal of each
 /// of them costs the viewer about a kilobyte, whatever is in it.
